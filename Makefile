@@ -1,0 +1,52 @@
+# make [V=release|debug|asan|tsan|plain] [PORTABLE=1] [CC=cc] [T=suite/case]
+#
+# Works with GNU make and bmake. They share no way to write "every .c file" rules, so src/rules.sh
+# writes build/$(V)/rules.mk with one plain rule an object (and the headers each one includes), and
+# this file hands over to it. See `make help`.
+
+V        = release
+PORTABLE = 0
+PREFIX   = /usr/local
+DESTDIR  =
+T        =
+
+RUN = sh src/rules.sh "$(V)" "$(PORTABLE)" "$(CC)" "$(CFLAGS)" "$(LDFLAGS)" && \
+      $(MAKE) -f build/$(V)/rules.mk
+
+all: rules
+	@$(RUN) build/$(V)/rushlight
+	@test "$(V)" != release || cp -p build/release/rushlight rushlight
+
+check: all
+	@$(RUN) build/$(V)/test
+	@build/$(V)/test $(T)
+
+check-long: all
+	@$(RUN) build/$(V)/test
+	@build/$(V)/test --long $(T)
+
+bench: all
+	@$(RUN) build/$(V)/bench
+	@build/$(V)/bench $(T)
+
+demo: all
+	./rushlight scenes/cornell.pbrt -o cornell.png
+
+install: all
+	mkdir -p $(DESTDIR)$(PREFIX)/bin
+	cp rushlight $(DESTDIR)$(PREFIX)/bin/rushlight
+
+clean:
+	rm -rf build rushlight
+
+help:
+	@echo "make             build ./rushlight          make check    run the tests"
+	@echo "make demo        render cornell.png         make bench    speed and memory tables"
+	@echo "make check-long  the slower proofs          make check T=accel   some of the tests"
+	@echo "make V=debug|asan|tsan|plain  other builds, in build/V"
+	@echo "make PORTABLE=1  without tuning to this processor"
+	@echo "make install PREFIX=/usr/local, make clean"
+
+rules:
+
+.PHONY: all check check-long bench demo install clean help rules

@@ -1,0 +1,53 @@
+/* maths.h -- the functions of libm that the program uses, made of + - * / and sqrt alone, so that
+ * a result does not depend on the machine's libm. Float results are computed in double and
+ * rounded once: error below 0.51 ulp of a float. Range reduction and polynomials are our own.
+ *
+ * Special cases are those of C99 annex F where the domain is not left: m_log(0) = -inf,
+ * m_log(x < 0) = nan, m_exp(-inf) = 0, m_pow(x, 0) = 1, m_atan2 with its signs of zero. m_asin and
+ * m_acos clamp to [-1, 1] first, because their callers pass products of unit vectors. */
+#ifndef BASE_MATHS_H
+#define BASE_MATHS_H
+
+#include <math.h>               /* sqrt, sqrtf, fabs, floor, ceil, INFINITY: exact everywhere */
+#include <stdbool.h>
+#include <stdint.h>
+
+#define PI      3.14159265358979323846
+#define PI_F    3.14159274f
+#define INV_PI  0.318309886f
+#define ONE_MINUS_ULP 0x1.fffffep-1f            /* the largest float below 1 */
+
+float m_sin(float x);
+float m_cos(float x);
+void  m_sincos(float x, float *s, float *c);
+/* Of 2 pi u for u in [0,1]: exact reduction, what sampling needs most. */
+void  m_sincos_turn(float u, float *s, float *c);
+float m_tan(float x);
+float m_asin(float x);
+float m_acos(float x);
+float m_atan(float x);
+float m_atan2(float y, float x);                /* in (-pi, pi] */
+float m_exp(float x);
+float m_log(float x);
+float m_log2(float x);
+float m_pow(float x, float y);                  /* x >= 0 */
+
+/* The double forms that the above are made of, to about 1e-15 relative, for accumulators. */
+double md_sin(double x);
+double md_cos(double x);
+double md_exp(double x);
+double md_log(double x);
+double md_atan2(double y, double x);
+double md_pow(double x, double y);
+
+static inline bool is_finite(float x) { return x - x == 0.0f; }
+
+static inline float clamp01(float x) { return x < 0.0f ? 0.0f : x > 1.0f ? 1.0f : x; }
+static inline float f_min(float a, float b) { return a < b ? a : b; }
+static inline float f_max(float a, float b) { return a > b ? a : b; }
+static inline float f_sqr(float a) { return a * a; }
+
+/* n roundings in a row err by at most this, relative [Higham02 3.4]: n u / (1 - n u), u = 2^-24. */
+#define ROUNDINGS(n) ((n) * 5.9604645e-8f / (1.0f - (n) * 5.9604645e-8f))
+
+#endif

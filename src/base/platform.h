@@ -1,0 +1,27 @@
+/* platform.h -- the one place for compiler extensions. Each has a plain C99 twin, and defining
+ * RUSHLIGHT_PLAIN chooses the twins (make V=plain; the tests run that build too).
+ * It also refuses what would break the promise that results do not depend on the build. */
+#ifndef BASE_PLATFORM_H
+#define BASE_PLATFORM_H
+
+#ifdef __FAST_MATH__
+#error "rushlight must not be compiled with -ffast-math: results would depend on the build"
+#endif
+
+#if defined(__GNUC__) && !defined(RUSHLIGHT_PLAIN)
+#define PRINTF_LIKE(f, a) __attribute__((format(printf, f, a)))
+#define LIKELY(c)   __builtin_expect(!!(c), 1)
+#define UNLIKELY(c) __builtin_expect(!!(c), 0)
+#define PREFETCH(p) __builtin_prefetch(p)
+#define NOINLINE    __attribute__((noinline))
+#define INLINE      static inline __attribute__((always_inline, unused))
+#else
+#define PRINTF_LIKE(f, a)
+#define LIKELY(c)   (c)
+#define UNLIKELY(c) (c)
+#define PREFETCH(p) ((void)(p))
+#define NOINLINE
+#define INLINE      static inline
+#endif
+
+#endif

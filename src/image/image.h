@@ -1,0 +1,60 @@
+/* image.h -- pixels in memory and on disk. Linear RGB float, row 0 at the top. */
+#ifndef IMAGE_IMAGE_H
+#define IMAGE_IMAGE_H
+
+#include "base/kind.h"
+#include "base/vec.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* w * h pixels, row-major from the top left. pixels is owned. {0} is the empty image. */
+typedef struct { uint32_t w, h; Rgb *pixels; } Image;
+
+#define IMAGE_PIXELS_DEFAULT ((uint64_t)1 << 28)        /* most pixels of an image (--max-pixels) */
+
+bool image_init(Image *im, uint32_t w, uint32_t h);     /* black; false: reported, *im empty */
+void image_clear(Image *im);
+static inline Rgb *image_at(const Image *im, uint32_t x, uint32_t y)
+{
+    return im->pixels + (size_t)y * im->w + x;
+}
+
+/* How display formats (png, ppm) get their bytes: v = tonemap(2^exposure * linear), then the sRGB
+ * curve, rounded. tonemap NULL: clamp. Formats that hold floats store the linear values. */
+typedef struct ToneMap ToneMap;
+typedef struct { const ToneMap *tonemap; float exposure; } Display;
+
+struct ToneMap {
+    KindInfo info;
+    Rgb (*map)(Rgb linear);                             /* non-negative linear to [0,1] */
+};
+extern const ToneMap *const tonemaps[];                 /* ends with NULL */
+
+/* One file format, in a file of its own; image.c has the list. */
+typedef struct {
+    KindInfo info;
+    const char *extensions;                             /* "hdr pic": first is the usual one */
+    bool linear;                                        /* holds floats, not display bytes */
+    /* True if a file that begins with these bytes is of this format. */
+    bool (*detect)(const unsigned char *bytes, size_t n);
+    /* Reads all of bytes[0..n), file named `path` in messages, of at most max_pixels pixels.
+     * False: reported once with its place, *im empty. NULL if the format cannot be read. Display
+     * formats are turned from sRGB to linear. */
+    bool (*read)(Image *im, const char *path, const unsigned char *bytes, size_t n,
+                 uint64_t max_pixels);
+    /* Writes whole or not at all. False: reported. NULL if the format cannot be written. */
+    bool (*write)(const Image *im, const char *path, const Display *display);
+} ImageFormat;
+extern const ImageFormat *const image_formats[];        /* ends with NULL */
+
+/* By the extension of path. NULL: reported as a usage error that lists what can be written. */
+const ImageFormat *image_format_for_writing(const char *path);
+/* Format by the bytes, not by the name. */
+bool image_read(Image *im, const char *path, uint64_t max_pixels);
+bool image_write(const Image *im, const char *path, const Display *display);
+
+float srgb_encode(float linear);        /* both clamp to [0,1] */
+float srgb_decode(float encoded);
+
+#endif

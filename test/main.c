@@ -1,0 +1,202 @@
+/* main.c -- the test runner: test [--long] [--list] [--jobs N] [TEXT]. Runs the cases whose
+ * suite/name contains TEXT, each in a forked process under alarm(). Last line: N passed, N failed. */
+#include "test/test.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define SUITES(X) X(maths) X(number) X(base)
+#define DECLARE(name) extern const TestCase test_##name[];
+#define ENTRY(name) { #name, test_##name },
+SUITES(DECLARE)
+static const TestSuite suites[] = { SUITES(ENTRY) { NULL, NULL } };
+
+enum { EXIT_FAILED = 1, EXIT_SKIPPED = 77, SECONDS = 240, SECONDS_LONG = 3600, JOBS_MAX = 16 };
+
+static char running[160];
+static int failures;
+static bool is_long;
+static char folder[200];
+
+void test_fail(const char *file, int line, const char *fmt, ...)
+{
+    va_list args;
+    if (++failures > 10)
+        return;
+    printf("%s:%d: %s: ", file, line, running);
+    va_start(args, fmt);
+    vprintf(fmt, args);
+    va_end(args);
+    printf("\n");
+}
+
+static void remove_folder(void)
+{
+    char cmd[300];
+    if (!folder[0])
+        return;
+    snprintf(cmd, sizeof cmd, "rm -rf '%s'", folder);
+    if (system(cmd))
+        printf("%s: cannot remove %s\n", running, folder);
+}
+
+void test_stop(void)
+{
+    remove_folder();
+    fflush(stdout);
+    exit(failures ? EXIT_FAILED : 0);
+}
+
+void test_skip(const char *fmt, ...)
+{
+    va_list args;
+    printf("%s: skipped: ", running);
+    va_start(args, fmt);
+    vprintf(fmt, args);
+    va_end(args);
+    printf("\n");
+    remove_folder();
+    fflush(stdout);
+    exit(failures ? EXIT_FAILED : EXIT_SKIPPED);
+}
+
+bool test_is_long(void) { return is_long; }
+
+const char *test_data(const char *name)
+{
+    static char path[4][600];
+    static int turn;
+    const char *root = getenv("RUSHLIGHT_DATA");
+    struct stat st;
+    char *p = path[turn++ & 3];
+    snprintf(p, sizeof path[0], "%s/%s", root ? root : "../shared/data", name);
+    if (stat(p, &st))
+        test_skip("%s is not here", p);
+    return p;
+}
+
+const char *test_folder(void)
+{
+    if (!folder[0]) {
+        const char *tmp = getenv("TMPDIR");
+        snprintf(folder, sizeof folder, "%.150s/rushlight-test-XXXXXX", tmp ? tmp : "/tmp");
+        if (!mkdtemp(folder)) {
+            printf("%s: cannot make %s: %s\n", running, folder, strerror(errno));
+            exit(EXIT_FAILED);
+        }
+    }
+    return folder;
+}
+
+typedef struct { pid_t pid; FILE *out; char name[160]; } Job;
+
+static Job start(const char *suite, const TestCase *c)
+{
+    Job j = { 0, tmpfile(), "" };
+    snprintf(j.name, sizeof j.name, "%s/%s", suite, c->name);
+    fflush(NULL);
+    j.pid = fork();
+    if (j.pid == 0) {
+        snprintf(running, sizeof running, "%s", j.name);
+        dup2(fileno(j.out), 1);
+        dup2(fileno(j.out), 2);
+        alarm(is_long ? SECONDS_LONG : SECONDS);
+        c->run();
+        test_stop();
+    }
+    return j;
+}
+
+static int passed, failed, skipped;
+
+static void finish(Job *j, int status)
+{
+    bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    bool skip = WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SKIPPED;
+    char line[1024];
+
+    if (!ok) {                                  /* what a passing case prints is of no interest */
+        rewind(j->out);
+        while (fgets(line, sizeof line, j->out))
+            fputs(line, stdout);
+    }
+    fclose(j->out);
+    if (WIFSIGNALED(status))
+        printf("%s: died of signal %d%s\n", j->name, WTERMSIG(status),
+               WTERMSIG(status) == 14 ? " (time limit)" : "");
+    if (ok)
+        passed++;
+    else if (skip)
+        skipped++;
+    else {
+        failed++;
+        printf("FAILED %s\n", j->name);
+    }
+    fflush(stdout);
+    j->pid = 0;
+}
+
+static void reap(Job *jobs, int njobs)
+{
+    int status;
+    pid_t pid = wait(&status);
+    for (int k = 0; k < njobs; k++)
+        if (jobs[k].pid && jobs[k].pid == pid)
+            finish(&jobs[k], status);
+}
+
+int main(int argc, char **argv)
+{
+    const char *text = "";
+    Job jobs[JOBS_MAX] = { { 0, NULL, "" } };
+    int njobs = 2;
+    bool list = false;
+
+    for (int i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "--long"))
+            is_long = true;
+        else if (!strcmp(argv[i], "--list"))
+            list = true;
+        else if (!strcmp(argv[i], "--jobs") && i + 1 < argc)
+            njobs = atoi(argv[++i]);
+        else
+            text = argv[i];
+    }
+    if (njobs < 1 || njobs > JOBS_MAX)
+        njobs = 1;
+    for (const TestSuite *s = suites; s->name; s++)
+        for (const TestCase *c = s->cases; c->name; c++) {
+            char name[160];
+            int k;
+            snprintf(name, sizeof name, "%s/%s", s->name, c->name);
+            if (!strstr(name, text) || (c->slow && !is_long))
+                continue;
+            if (list) {
+                printf("%s\n", name);
+                continue;
+            }
+            for (k = 0; k < njobs && jobs[k].pid; k++)
+                ;
+            if (k == njobs) {
+                reap(jobs, njobs);
+                for (k = 0; jobs[k].pid; k++)
+                    ;
+            }
+            jobs[k] = start(s->name, c);
+        }
+    for (int k = 0; k < njobs; k++)
+        while (jobs[k].pid)
+            reap(jobs, njobs);
+    if (list)
+        return 0;
+    if (skipped)
+        printf("%d skipped\n", skipped);
+    printf("%d passed, %d failed\n", passed, failed);
+    return failed || !passed ? 1 : 0;
+}
