@@ -9,12 +9,18 @@
 
 #include <stdint.h>
 
-typedef enum { OPT_BOOL, OPT_INT, OPT_FLOAT, OPT_RGB, OPT_STRING, OPT_CHOICE } OptType;
+typedef enum {
+    OPT_BOOL, OPT_INT, OPT_FLOAT,
+    OPT_RGB,                    /* three numbers, or one for grey */
+    OPT_POINT,                  /* three numbers */
+    OPT_STRING,
+    OPT_CHOICE                  /* one of the words in `choices` */
+} OptType;
 
 typedef struct {
     const char *key;
     OptType     type;
-    double      num;            /* default of BOOL, INT, FLOAT and (grey) RGB */
+    double      num;            /* default of BOOL, INT, FLOAT, grey RGB, POINT (all three) */
     double      lo, hi;         /* closed range of numbers; lo == hi: any */
     const char *str;            /* default of STRING and CHOICE */
     const char *choices;        /* CHOICE: "a b c" */
@@ -43,7 +49,13 @@ Param *params_find(const Params *ps, const char *name, const char *also);
 
 /* ---- values of a table ---- */
 
-typedef struct { double num; Rgb rgb; const char *str; bool given; } OptValue;
+typedef struct {
+    double num;
+    Rgb    rgb;                 /* RGB and POINT */
+    const char *str;
+    bool   given;               /* by the user, not the default */
+    const Param *param;         /* the typed parameter it came from, or NULL */
+} OptValue;
 
 enum { OPT_MAX = 24 };          /* most options of one kind */
 typedef struct { const OptDef *defs; OptValue value[OPT_MAX]; } Opts;
@@ -63,6 +75,7 @@ bool        opt_bool(const Opts *o, const char *key);
 int64_t     opt_int(const Opts *o, const char *key);
 float       opt_float(const Opts *o, const char *key);
 Rgb         opt_rgb(const Opts *o, const char *key);
+V3          opt_point(const Opts *o, const char *key);
 const char *opt_string(const Opts *o, const char *key);
 bool        opt_is(const Opts *o, const char *key, const char *choice);
 bool        opt_given(const Opts *o, const char *key);

@@ -1,0 +1,47 @@
+/* kind.c -- walking the lists of kinds. See kind.h. */
+#include "base/kind.h"
+
+#include <string.h>
+
+const KindInfo *kind_info(const void *list, size_t k)
+{
+    const KindInfo *const *kinds = list;
+    return kinds[k];
+}
+
+const void *kind_find(const void *list, const char *name)
+{
+    const KindInfo *info;
+    for (size_t k = 0; (info = kind_info(list, k)) != NULL; k++)
+        if (!strcmp(info->name, name))
+            return info;
+    return NULL;
+}
+
+const void *kind_find_at(Place at, const void *list, const char *what, const char *name)
+{
+    enum { MOST = 64 };
+    const char *names[MOST], *near;
+    const void *found = kind_find(list, name);
+    const KindInfo *info;
+    size_t n = 0;
+    char have[500] = "";
+
+    if (found)
+        return found;
+    for (; n < MOST && (info = kind_info(list, n)) != NULL; n++) {
+        names[n] = info->name;
+        if (strlen(have) + strlen(info->name) + 2 < sizeof have) {
+            strcat(have, " ");
+            strcat(have, info->name);
+        }
+    }
+    near = nearest_name(name, names, n);
+    if (at.file)
+        err_at(at, "unknown %s '%s'%s%s%s (have:%s)", what, name, near ? ", did you mean '" : "",
+               near ? near : "", near ? "'?" : "", have);
+    else
+        err_usage("unknown %s '%s'%s%s%s (have:%s)", what, name, near ? ", did you mean '" : "",
+                  near ? near : "", near ? "'?" : "", have);
+    return NULL;
+}

@@ -1,0 +1,19 @@
+/* progress.h -- one line that tells how far a render is: redrawn ten times a second on a terminal,
+ * written as a plain line now and then elsewhere, silent with --quiet. Standard error. */
+#ifndef BASE_PROGRESS_H
+#define BASE_PROGRESS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    double start, last;
+    bool   terminal, quiet, drawn;
+} Progress;
+
+void progress_start(Progress *p);
+/* fraction in [0,1]; spp: samples a pixel so far; rays: cast so far. Cheap when not due. */
+void progress_show(Progress *p, double fraction, double spp, uint64_t rays);
+void progress_end(Progress *p);         /* clears the line */
+
+#endif
