@@ -1,0 +1,70 @@
+/* accel.h -- rays against many primitives, fast. One file a structure; accel.c has the list.
+ *
+ * Promise: every structure gives the answer of `brute` for every ray, bit for bit: they all call
+ * the same tests of primitives, never pass over a box that could hold a hit, and settle equal t by
+ * the smaller primitive number. */
+#ifndef ACCEL_ACCEL_H
+#define ACCEL_ACCEL_H
+
+#include "base/kind.h"
+#include "geometry/geometry.h"
+
+#include <stddef.h>
+
+typedef struct Accel Accel;
+
+/* What a query did, for statistics and for tests that no loop runs away. */
+typedef struct { uint64_t nodes, prims; } Steps;
+
+typedef struct {
+    KindInfo info;
+
+    /* Over the primitives of g, which stays borrowed and must be finished. NULL: reported. */
+    Accel *(*build)(const Geometry *g, const Opts *o, int threads);
+
+    /* The nearest hit with 0 < t <= r->tmax; of equal t the smaller primitive. No hit: false, *h
+     * untouched. steps may be NULL; else counts are added. */
+    bool (*nearest)(const Accel *a, const Ray *r, Hit *h, Steps *steps);
+
+    /* True if anything lies in 0 < t <= r->tmax. May stop at the first one found. */
+    bool (*blocked)(const Accel *a, const Ray *r, Steps *steps);
+
+    /* The same for n rays at once, which a structure may interleave; NULL: a loop (the twin). */
+    void (*nearest_many)(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
+    void (*blocked_many)(const Accel *a, const Ray *r, bool *blocked, size_t n);
+
+    /* Checks every invariant of the structure: bounds hold what is below them, each primitive is
+     * reached exactly once. False: *why says which failed. */
+    bool (*validate)(const Accel *a, char *why, size_t room);
+
+    void (*free)(Accel *a);
+} AccelKind;
+
+struct Accel {                  /* first member of every concrete structure */
+    const AccelKind *kind;
+    const Geometry  *geo;       /* borrowed: outlives the structure */
+    size_t   bytes;             /* of the structure alone, without the geometry */
+    uint64_t nodes, leaves;
+    int      depth;
+};
+
+extern const AccelKind *const accels[];         /* ends with NULL */
+#define ACCEL_DEFAULT "bvh"
+
+/* Safe to call with an empty geometry. */
+static inline bool accel_nearest(const Accel *a, const Ray *r, Hit *h)
+{
+    return a->kind->nearest(a, r, h, NULL);
+}
+static inline bool accel_blocked(const Accel *a, const Ray *r)
+{
+    return a->kind->blocked(a, r, NULL);
+}
+void accel_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
+void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
+void accel_free(Accel *a);                      /* NULL is allowed */
+
+/* The surface of a hit, in the space of a's geometry, also where the hit is in an instance. */
+void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s);
+
+#endif

@@ -1,0 +1,60 @@
+/* bsdf.h -- how a point of a surface scatters light. One file a model; bsdf.c has the list.
+ *
+ * Conventions, said once: directions wo (towards the viewer) and wi (towards the light) are unit,
+ * point away from the surface, and are given in the local frame whose z axis is the shading normal.
+ * f never contains the cosine. pdf_w is per solid angle of wi. A model scatters RADIANCE by eval
+ * and sample: light comes from wi and leaves along wo; where transport is not symmetric (crossing
+ * an interface) `importance` asks for the adjoint. */
+#ifndef BSDF_BSDF_H
+#define BSDF_BSDF_H
+
+#include "base/kind.h"
+#include "base/vec.h"
+
+typedef struct Bsdf Bsdf;
+
+enum {                          /* what a model can do; BsdfSample.flags has those of the event */
+    BSDF_REFLECT  = 1,
+    BSDF_TRANSMIT = 2,
+    BSDF_SPECULAR = 4,          /* delta: eval and pdf are 0, only sample finds it */
+    BSDF_SMOOTH   = 8           /* not delta: eval and pdf are meaningful */
+};
+
+typedef struct {
+    V3    wi;
+    Rgb   weight;               /* f |cos| / pdf_w; for delta events the limit of that */
+    float pdf_w;                /* 0 for delta events */
+    int   flags;
+    float eta;                  /* index ratio crossed, transmitted over incident side; else 1 */
+} BsdfSample;
+
+typedef struct {
+    KindInfo info;              /* options: the model's parameters, RGB and FLOAT take textures */
+    int flags;                  /* union of what its instances can do */
+
+    /* Makes the model at a point out of its parameters, value[k] for option k (numbers in .r),
+     * in *b, which has room for any. */
+    void (*setup)(Bsdf *b, const Rgb *value);
+
+    /* f(wo, wi) without delta parts. */
+    Rgb (*eval)(const Bsdf *b, V3 wo, V3 wi, bool importance);
+    float (*pdf_w)(const Bsdf *b, V3 wo, V3 wi);
+    /* lobe chooses between parts of the model, u the direction. False: absorbed. */
+    bool (*sample)(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, BsdfSample *s);
+    /* Directional albedo for wo, or a close estimate of it: for roulette and AOVs, not exact. */
+    Rgb (*albedo)(const Bsdf *b, V3 wo);
+    /* Directions wi around which f is large (at most 16), and how many. [Cline07 5.2.2] */
+    int (*peaks)(const Bsdf *b, V3 wo, V3 peak[16]);
+} BsdfKind;
+
+struct Bsdf {
+    const BsdfKind *kind;
+    union { float number[24]; void *align; } as;        /* the model's own, see its file */
+};
+
+extern const BsdfKind *const bsdfs[];           /* ends with NULL */
+
+INLINE float cos_of(V3 w) { return w.z; }
+INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }
+
+#endif

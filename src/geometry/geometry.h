@@ -1,0 +1,126 @@
+/* geometry.h -- the primitives of one space: triangles of any number of meshes in one array, then
+ * spheres, discs and instances. Accelerators index these by number; shading finds the shape that a
+ * primitive belongs to.
+ *
+ * Invariants (after geometry_finish): primitives 0 .. ntris-1 are triangles; ntris .. nprims-1 are
+ * `odd` ones, each a shape of its own. Shapes of kind mesh are in order of their first triangle. */
+#ifndef GEOMETRY_GEOMETRY_H
+#define GEOMETRY_GEOMETRY_H
+
+#include "base/transform.h"
+#include "geometry/mesh.h"
+#include "geometry/ray.h"
+
+typedef enum { SHAPE_MESH, SHAPE_SPHERE, SHAPE_DISK, SHAPE_INSTANCE } ShapeKind;
+
+/* A part of a sphere, as the scene language has it: z and phi in the frame of the sphere. */
+typedef struct {
+    V3    centre;
+    float radius;
+    Frame frame;                /* z of the shape is n; phi runs from s to t; orthonormal but may
+                                 * be left-handed where the transform mirrors */
+    float zmin, zmax, phimax;
+    bool  whole;                /* nothing is cut off */
+} Sphere;
+
+typedef struct {
+    V3    centre;
+    Frame frame;                /* n is the disc's normal */
+    float radius, inner, phimax;
+} Disk;
+
+struct Accel;
+typedef struct {
+    const struct Accel *accel;  /* borrowed: over the geometry that is instanced */
+    uint32_t child;             /* which geometry of the scene that is */
+    Affine to_world, to_object;
+    Box bounds;                 /* in the space of the instance, set when accel is */
+} Instance;
+
+#define NO_LIGHT UINT32_MAX
+
+typedef struct {
+    ShapeKind kind;
+    uint32_t  first, count;     /* its primitives */
+    uint32_t  material;         /* index into the scene's materials */
+    uint32_t  light;            /* index into the scene's lights, or NO_LIGHT */
+    bool      flip;             /* the geometric normal is turned round (ReverseOrientation) */
+    uint32_t  first_vertex;     /* meshes: n and uv start there */
+    V3       *n;                /* owned; per vertex, unit or 0; NULL: none */
+    V2       *uv;               /* owned; NULL: none */
+    union { Sphere sphere; Disk disk; Instance instance; } as;
+} Shape;
+
+typedef struct {
+    V3       *p;                /* owned */
+    Tri      *tri;              /* owned */
+    Shape    *shapes;           /* owned */
+    uint32_t *odd;              /* owned; shape of primitive ntris + k */
+    uint32_t *firsts;           /* owned; first triangle of each mesh shape, for searching */
+    uint32_t *mesh_shapes;      /* owned; the shape that firsts[k] belongs to */
+    size_t nverts, ntris, nshapes, nodd, nmeshes;
+    size_t cap_p, cap_tri, cap_shapes, cap_odd;
+} Geometry;
+
+/* What all shapes have in common when they are added. */
+typedef struct { uint32_t material, light; bool flip; } ShapeTraits;
+
+void geometry_clear(Geometry *g);
+
+/* Each adds one shape and gives its index in *shape (may be NULL). False: memory or the counts of
+ * 32 bits ran out, reported. The mesh is emptied: its arrays are taken over or copied. Points of
+ * the mesh must be in the geometry's space already. */
+bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape);
+bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint32_t *shape);
+bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape);
+bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape);
+/* Ends adding: makes the tables that geometry_shape and accelerators need. */
+bool geometry_finish(Geometry *g);
+
+INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
+Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */
+/* The shape of a primitive. */
+const Shape *geometry_shape(const Geometry *g, uint32_t prim);
+INLINE bool geometry_is_tri(const Geometry *g, uint32_t prim) { return prim < g->ntris; }
+INLINE void geometry_corners(const Geometry *g, uint32_t prim, V3 c[3])
+{
+    const Tri *t = &g->tri[prim];
+    c[0] = g->p[t->v[0]];
+    c[1] = g->p[t->v[1]];
+    c[2] = g->p[t->v[2]];
+}
+
+/* What shading needs to know of a hit. */
+typedef struct {
+    V3 p, err;                  /* the point, and a bound of the error of each coordinate */
+    V3 ng;                      /* geometric normal, unit: the front, whence area lights shine */
+    V3 ns;                      /* shading normal, unit, on the side of ng */
+    V2 uv;
+    const Shape *shape;         /* borrowed */
+    uint32_t prim;              /* within the shape's geometry */
+} Surface;
+
+/* Surface of a hit on primitive h->prim of g (not an instance), for a ray in the space of g. */
+void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s);
+
+/* ---- one primitive against one ray ---- */
+
+/* The ray as the triangle test wants it: axes permuted and sheared so that it runs along +z. */
+typedef struct { int kx, ky, kz; float sx, sy, sz; } Shear;
+Shear shear_of(const Ray *r);
+
+/* True if the primitive is hit nearer than *h (or as near, with a smaller number); then *h is set,
+ * `outer` too. Start with h->t = r->tmax, h->outer = NO_PRIM. */
+bool sphere_nearest(const Sphere *s, const Ray *r, uint32_t prim, Hit *h);
+bool disk_nearest(const Disk *d, const Ray *r, uint32_t prim, Hit *h);
+Box  sphere_box(const Sphere *s);
+Box  disk_box(const Disk *d);
+
+/* Makes a sphere or disc of the scene language out of its parameters, if the transform keeps it
+ * one (rotation, translation, one scale, mirror). False otherwise: use an instance instead. */
+bool sphere_init(Sphere *s, const Transform *t, float radius, float zmin, float zmax,
+                 float phimax_degrees);
+bool disk_init(Disk *d, const Transform *t, float height, float radius, float inner,
+               float phimax_degrees);
+
+#endif
