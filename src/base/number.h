@@ -19,8 +19,10 @@ size_t number_double(const char *s, const char *end, double *v);
  * *clipped (if clipped is not NULL). */
 size_t number_int(const char *s, const char *end, int64_t *v, bool *clipped);
 
-enum { NUMBER_MAX = 32 };               /* room that any printed number needs, with the final 0 */
-/* Shortest text that reads back as v; "inf", "-inf", "nan". Returns the length. */
+enum { NUMBER_MAX = 40 };               /* room that any printed number needs, with the final 0 */
+/* The fewest digits that read back as v, and of those the nearest to it: plain ("0.00025", "1500")
+ * from 1e-5 up to below 1e16, else with an exponent ("2.5e-6"); "inf", "-inf", "nan". Returns the
+ * length. */
 size_t number_print_float(char out[NUMBER_MAX], float v);
 size_t number_print_double(char out[NUMBER_MAX], double v);
 /* With `digits` (0..17) after the point, correctly rounded, for |v| < 1e15; else as above. */
