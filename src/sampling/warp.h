@@ -1,0 +1,93 @@
+/* warp.h -- canonical numbers, in [0,1), made into points and directions, each with its density.
+ *
+ * Source  [Shirley97] the concentric map of the square to the disc; [Heitz19] the map to the
+ *         triangle; [Shirley91 (5.9)] the tent. All keep area and bend strata little.
+ *
+ * Directions come out of the disc by two projections: Malley's, straight up, gives a cosine
+ * density; Lambert's equal area one gives a uniform density on any cap, so the sphere, the
+ * hemisphere and a cone are one map with three heights.
+ *
+ * A canonical number is a multiple of 2^-24 and stands for the cell that begins there. The disc
+ * takes the middle of the cell (exact in float), so it is never left or its rim met: no map
+ * divides by zero, and the cosine of a direction is never 0. */
+#ifndef SAMPLING_WARP_H
+#define SAMPLING_WARP_H
+
+#include "base/maths.h"
+#include "base/platform.h"
+#include "base/vec.h"
+
+/* The unit disc; *r is the distance from the centre, without the error of squaring. */
+INLINE V2 warp_disk_radius(V2 u, float *r)
+{
+    float a = (2.0f * u.x - 1.0f) + 0x1p-24f, b = (2.0f * u.y - 1.0f) + 0x1p-24f;
+    float p = fabsf(a), q = fabsf(b), s, c, x, y;
+    bool wide = p > q;
+
+    *r = wide ? p : q;
+    m_sincos_turn(0.125f * ((wide ? q : p) / *r), &s, &c);      /* within an eighth of the turn */
+    x = *r * (wide ? c : s);
+    y = *r * (wide ? s : c);
+    return (V2){ a < 0.0f ? -x : x, b < 0.0f ? -y : y };
+}
+
+INLINE V2 warp_disk_concentric(V2 u)
+{
+    float r;
+    return warp_disk_radius(u, &r);
+}
+INLINE float warp_disk_pdf(void) { return INV_PI; }
+
+/* The hemisphere about +z, in proportion to the cosine; z > 0. */
+INLINE V3 warp_cosine(V2 u)
+{
+    float r;
+    V2 d = warp_disk_radius(u, &r);
+    return (V3){ d.x, d.y, sqrtf((1.0f - r) * (1.0f + r)) };
+}
+INLINE float warp_cosine_pdf(float z) { return z > 0.0f ? z * INV_PI : 0.0f; }
+
+/* The cap of height h = 1 - cos(greatest angle) about +z, uniformly; 0 < h <= 2. The height, not
+ * the cosine, because that of a small far light is lost in the rounding of 1. */
+INLINE V3 warp_cone(V2 u, float h)
+{
+    float r, down, scale;
+    V2 d = warp_disk_radius(u, &r);
+    down = h * r * r;
+    scale = sqrtf(h * (2.0f - down));                           /* sin^2 = down (2 - down) */
+    return (V3){ d.x * scale, d.y * scale, 1.0f - down };
+}
+INLINE float warp_cone_pdf(float h) { return 0.5f * INV_PI / h; }
+
+/* Height of the cone whose half angle, at most a right one, has this squared sine. */
+INLINE float warp_cone_height(float sin2) { return sin2 / (1.0f + sqrtf(1.0f - sin2)); }
+
+INLINE V3 warp_hemisphere(V2 u) { return warp_cone(u, 1.0f); }
+INLINE float warp_hemisphere_pdf(void) { return 0.5f * INV_PI; }
+
+INLINE V3 warp_sphere(V2 u) { return warp_cone(u, 2.0f); }
+INLINE float warp_sphere_pdf(void) { return 0.25f * INV_PI; }
+
+/* Barycentric coordinates, uniform over a triangle: none is negative and they add up to 1. The
+ * density on a triangle is one over its area. */
+INLINE V3 warp_triangle(V2 u)
+{
+    float x, y;
+    if (u.y > u.x) {
+        x = 0.5f * u.x;
+        y = u.y - x;
+    } else {
+        y = 0.5f * u.y;
+        x = u.x - y;
+    }
+    return (V3){ x, y, 1.0f - f_max(u.x, u.y) };
+}
+
+/* Inverse of the cumulative tent on [-1, 1], whose density is 1 - |x|. [Shirley91 (5.9)] */
+INLINE float warp_tent(float u)
+{
+    return u < 0.5f ? sqrtf(2.0f * u) - 1.0f : 1.0f - sqrtf(2.0f * (1.0f - u));
+}
+INLINE float warp_tent_pdf(float x) { return f_max(0.0f, 1.0f - fabsf(x)); }
+
+#endif
