@@ -105,14 +105,9 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
 
 /* ---- one primitive against one ray ---- */
 
-/* The ray as the triangle test wants it: axes permuted and sheared so that it runs along +z. */
-typedef struct { int kx, ky, kz; float sx, sy, sz; } Shear;
-Shear shear_of(const Ray *r);
-
-/* True if the primitive is hit nearer than *h (or as near, with a smaller number); then *h is set,
- * `outer` too. Start with h->t = r->tmax, h->outer = NO_PRIM. */
-bool sphere_nearest(const Sphere *s, const Ray *r, uint32_t prim, Hit *h);
-bool disk_nearest(const Disk *d, const Ray *r, uint32_t prim, Hit *h);
+/* t of the first crossing with t > 0; 0: none. In double, rounded once. */
+float sphere_cross(const Sphere *s, const Ray *r);
+float disk_cross(const Disk *d, const Ray *r);
 Box  sphere_box(const Sphere *s);
 Box  disk_box(const Disk *d);
 

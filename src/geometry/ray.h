@@ -35,4 +35,70 @@ INLINE V3 ray_origin(V3 p, V3 err, V3 n, V3 w)
  * out at just below 1. Sixteen roundings cover the test of a triangle and the two offsets. */
 #define SHADOW_TMAX (1.0f - ROUNDINGS(16))
 
+/* ---- boxes ---- */
+
+/* The ray as the tests of boxes and triangles want it. For boxes: the inverse direction and, for
+ * each axis, whether the near plane is the lower (0) or the upper (1) one. For triangles: axes
+ * permuted and sheared so that the ray runs along +z, see triangle.h. */
+typedef struct {
+    V3  o, inv;
+    int neg[3];
+    int kx, ky, kz;
+    float sx, sy, sz;
+} Probe;
+
+INLINE Probe probe_of(const Ray *r)
+{
+    Probe p;
+    V3 d = r->d, a = v_abs(d);
+    const float *c = &d.x;              /* a V3 is three floats in a row, see triangle.h */
+
+    p.o = r->o;
+    p.inv = v3(1.0f / d.x, 1.0f / d.y, 1.0f / d.z);
+    p.neg[0] = p.inv.x < 0.0f;
+    p.neg[1] = p.inv.y < 0.0f;
+    p.neg[2] = p.inv.z < 0.0f;
+    p.kz = a.x > a.y ? (a.x > a.z ? 0 : 2) : (a.y > a.z ? 1 : 2);
+    p.kx = p.kz == 2 ? 0 : p.kz + 1;
+    p.ky = p.kx == 2 ? 0 : p.kx + 1;
+    p.sz = (&p.inv.x)[p.kz];
+    p.sx = c[p.kx] * p.sz;
+    p.sy = c[p.ky] * p.sz;
+    return p;
+}
+
+/* The slab test. b holds lo.x lo.y lo.z - hi.x hi.y hi.z - (eight floats, two of them of no
+ * concern here). *near: where the ray enters, at least 0. Returns whether it enters before it
+ * leaves and not beyond tmax.
+ *
+ * Each step is monotonic in the planes, in floating point too: (lo - o) rounds to no less if lo
+ * is no less. So a box that holds another is entered no later and left no earlier, as computed.
+ * The tests of primitives put the t of a hit between near and far of the primitive's own box, as
+ * computed here; hence no accelerator that compares near with the t of a hit can pass over one.
+ *
+ * far is widened for the roundings of the slabs (3 each side, [Ize13]) and those by which a
+ * triangle test can move an edge against its box (below 20, relative to the way from the origin).
+ * 0 times inf, from an origin in the plane of a slab that the ray runs along, is not a number:
+ * the comparisons below then leave near and far as they were. */
+#define SLAB_WIDEN (1.0f + ROUNDINGS(26))
+INLINE bool slabs(const Probe *p, const float *b, float tmax, float *near, float *far)
+{
+    int x = p->neg[0] << 2, y = p->neg[1] << 2, z = p->neg[2] << 2;
+    float nx = (b[0 + x] - p->o.x) * p->inv.x, fx = (b[4 - x] - p->o.x) * p->inv.x;
+    float ny = (b[1 + y] - p->o.y) * p->inv.y, fy = (b[5 - y] - p->o.y) * p->inv.y;
+    float nz = (b[2 + z] - p->o.z) * p->inv.z, fz = (b[6 - z] - p->o.z) * p->inv.z;
+    float n = 0.0f, f = INFINITY;
+
+    n = nx > n ? nx : n;
+    n = ny > n ? ny : n;
+    n = nz > n ? nz : n;
+    f = fx < f ? fx : f;
+    f = fy < f ? fy : f;
+    f = fz < f ? fz : f;
+    f *= SLAB_WIDEN;
+    *near = n;
+    *far = f;
+    return n <= f && n <= tmax;
+}
+
 #endif

@@ -13,6 +13,8 @@
  *             lies between the least and the largest depth whatever the error of the weights. Only
  *             a triangle that straddles the plane through the origin can yield a t > 0 which in
  *             truth is not; there t must exceed the bound of its error, [PBRT4 6.8.7].
+ *             The result is then put between the entry and the exit of the triangle's own box, see
+ *             slabs() in ray.h: what lets every accelerator find just the same hits.
  * Departs     No culling of back faces, hence no swap of axes to keep the winding. */
 #ifndef GEOMETRY_TRIANGLE_H
 #define GEOMETRY_TRIANGLE_H
@@ -22,6 +24,27 @@
 /* V3 is three floats in a row, so a component can be picked by number without a branch. */
 typedef char v3_is_three_floats[sizeof(V3) == 3 * sizeof(float) ? 1 : -1];
 INLINE float v_pick(const V3 *v, int k) { return (&v->x)[k]; }
+
+/* The box of a triangle, widened by what the edge functions can err across a large triangle seen
+ * from near (relative to its extent) and by one step of the coordinates at least. */
+INLINE Box triangle_box(V3 a, V3 b, V3 c)
+{
+    V3 lo = v_min(a, v_min(b, c)), hi = v_max(a, v_max(b, c));
+    float e = ROUNDINGS(8) * v_max3(v_sub(hi, lo));
+    V3 m = v_mad(v_max(v_abs(lo), v_abs(hi)), ROUNDINGS(2), v_all(e));
+    return (Box){ v_sub(lo, m), v_add(hi, m) };
+}
+
+/* Puts t between where the ray enters and leaves the box. False: it never does. */
+static inline bool hit_in_box(const Probe *p, Box box, float *t)
+{
+    float b[8] = { box.lo.x, box.lo.y, box.lo.z, 0, box.hi.x, box.hi.y, box.hi.z, 0 }, near, far;
+
+    if (!slabs(p, b, INFINITY, &near, &far))
+        return false;
+    *t = *t < near ? near : *t > far ? far : *t;
+    return true;
+}
 
 /* Bound of the absolute error of t, from the sheared coordinates a, b, c of the corners, the edge
  * functions e and 1/det: [PBRT4 6.8.7]. */
@@ -45,21 +68,20 @@ static inline V3 triangle_edges_exact(V3 a, V3 b, V3 c)
 }
 
 /* The corner as the ray sees it: x, y across, z along it (in units of t). */
-INLINE V3 triangle_shear(const Shear *s, const V3 *o, const V3 *p)
+INLINE V3 triangle_shear(const Probe *r, const V3 *p)
 {
-    V3 q = v_sub(*p, *o);
-    float z = v_pick(&q, s->kz);
-    return v3(v_pick(&q, s->kx) - s->sx * z, v_pick(&q, s->ky) - s->sy * z, s->sz * z);
+    V3 q = v_sub(*p, r->o);
+    float z = v_pick(&q, r->kz);
+    return v3(v_pick(&q, r->kx) - r->sx * z, v_pick(&q, r->ky) - r->sy * z, r->sz * z);
 }
 
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
  * is set. */
-INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Shear *s, Hit *h)
+INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Probe *r, Hit *h)
 {
     const Tri *tri = &g->tri[prim];
-    V3 a = triangle_shear(s, &r->o, &g->p[tri->v[0]]);
-    V3 b = triangle_shear(s, &r->o, &g->p[tri->v[1]]);
-    V3 c = triangle_shear(s, &r->o, &g->p[tri->v[2]]);
+    const V3 *pa = &g->p[tri->v[0]], *pb = &g->p[tri->v[1]], *pc = &g->p[tri->v[2]];
+    V3 a = triangle_shear(r, pa), b = triangle_shear(r, pb), c = triangle_shear(r, pc);
     V3 e = v3(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
     float det, inv, t, near;
 
@@ -72,10 +94,12 @@ INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Ray *r, con
         return false;
     inv = 1.0f / det;
     t = (e.x * a.z + e.y * b.z + e.z * c.z) * inv;
-    if (!(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
-        return false;
     near = f_min(a.z, f_min(b.z, c.z));
-    if (UNLIKELY(near <= 0.0f) && t <= triangle_t_error(a, b, c, e, inv))
+    if (UNLIKELY(near <= 0.0f) && !(t > triangle_t_error(a, b, c, e, inv)))
+        return false;
+    if (!hit_in_box(r, triangle_box(*pa, *pb, *pc), &t))
+        return false;
+    if (!(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
         return false;
     h->t = t;
     h->u = e.y * inv;

@@ -1,0 +1,144 @@
+/* accel.c -- the list of accelerators, and what they share: odd primitives, instances, surfaces of
+ * hits, and the plain twins of the batched queries. */
+#include "accel/accel.h"
+
+#include "accel/prim.h"
+
+#define ACCELS(X)                                                              \
+    X(brute)                    /* the reference */                            \
+    X(bvh)                      /* binary tree of boxes */
+#define DECLARE(name) extern const AccelKind accel_##name;
+#define ENTRY(name) &accel_##name,
+ACCELS(DECLARE)
+const AccelKind *const accels[] = { ACCELS(ENTRY) NULL };
+
+void accel_free(Accel *a)
+{
+    if (a)
+        a->kind->free(a);
+}
+
+void accel_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n)
+{
+    if (a->kind->nearest_many) {
+        a->kind->nearest_many(a, r, h, hit, n);
+        return;
+    }
+    for (size_t i = 0; i < n; i++)
+        hit[i] = a->kind->nearest(a, &r[i], &h[i], NULL);
+}
+
+void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n)
+{
+    if (a->kind->blocked_many) {
+        a->kind->blocked_many(a, r, blocked, n);
+        return;
+    }
+    for (size_t i = 0; i < n; i++)
+        blocked[i] = a->kind->blocked(a, &r[i], NULL);
+}
+
+/* ---- odd primitives ---- */
+
+/* The direction is not made unit again, so t means the same in both spaces. */
+static Ray into_instance(const Instance *in, const Ray *r, float tmax)
+{
+    return (Ray){ affine_point(&in->to_object, r->o), affine_vector(&in->to_object, r->d), tmax };
+}
+
+/* t from inside is raised to the entry of the instance's bounds, so that boxes around those are
+ * never passed over for it; see slabs() in ray.h. */
+static bool instance_nearest(const Instance *in, const Ray *r, const Probe *p, uint32_t prim,
+                             Hit *h, Steps *steps)
+{
+    Ray local = into_instance(in, r, h->t);
+    Hit inner;
+
+    if (!in->accel->kind->nearest(in->accel, &local, &inner, steps) ||
+        !hit_in_box(p, in->bounds, &inner.t))
+        return false;
+    if (inner.t > h->t || (inner.t == h->t && prim >= h->outer))
+        return false;
+    *h = inner;
+    h->outer = prim;
+    return true;
+}
+
+bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Hit *h,
+                 Steps *steps)
+{
+    const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
+    float t = 0.0f;
+
+    switch (s->kind) {
+    case SHAPE_SPHERE:   t = sphere_cross(&s->as.sphere, r); break;
+    case SHAPE_DISK:     t = disk_cross(&s->as.disk, r); break;
+    case SHAPE_INSTANCE: return instance_nearest(&s->as.instance, r, p, prim, h, steps);
+    case SHAPE_MESH:     break;
+    }
+    if (!(t > 0.0f) || !hit_in_box(p, geometry_box(g, prim), &t) || t > h->t ||
+        (t == h->t && prim >= h->outer))
+        return false;
+    h->t = t;
+    h->u = h->v = 0.0f;
+    h->outer = h->prim = prim;
+    return true;
+}
+
+bool odd_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Steps *steps)
+{
+    const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
+    Hit h;
+
+    if (s->kind == SHAPE_INSTANCE) {
+        Ray local = into_instance(&s->as.instance, r, r->tmax);
+        return s->as.instance.accel->kind->blocked(s->as.instance.accel, &local, steps);
+    }
+    h.t = r->tmax;
+    h.outer = NO_PRIM;
+    return odd_nearest(g, prim, r, p, &h, steps);
+}
+
+/* ---- surfaces ---- */
+
+/* A point p with error e goes through the map m: |m| e, and the roundings of the product. */
+static void surface_to_world(const Instance *in, Surface *s)
+{
+    const float (*m)[4] = in->to_world.m;
+    V3 p = s->p, e = s->err;
+    float err[3];
+
+    for (int i = 0; i < 3; i++) {
+        float size = fabsf(m[i][0] * p.x) + fabsf(m[i][1] * p.y) + fabsf(m[i][2] * p.z) +
+                     fabsf(m[i][3]);
+        err[i] = (fabsf(m[i][0]) * e.x + fabsf(m[i][1]) * e.y + fabsf(m[i][2]) * e.z) *
+                     (1.0f + ROUNDINGS(4)) + ROUNDINGS(4) * size;
+    }
+    s->p = affine_point(&in->to_world, p);
+    s->err = v3(err[0], err[1], err[2]);
+    s->ng = v_unit(affine_transposed(&in->to_object, s->ng));
+    s->ns = v_unit(affine_transposed(&in->to_object, s->ns));
+}
+
+void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
+{
+    const Geometry *g = a->geo;
+    const Shape *top;
+
+    if (LIKELY(h->outer < g->ntris)) {
+        geometry_surface(g, r, h, s);
+        return;
+    }
+    top = &g->shapes[g->odd[h->outer - g->ntris]];
+    if (top->kind != SHAPE_INSTANCE) {
+        geometry_surface(g, r, h, s);
+        return;
+    } else {
+        const Instance *in = &top->as.instance;
+        Ray local = into_instance(in, r, r->tmax);
+        Hit inner = *h;
+        inner.outer = h->prim;
+        accel_surface(in->accel, &local, &inner, s);
+        surface_to_world(in, s);
+    }
+}

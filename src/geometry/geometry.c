@@ -1,0 +1,292 @@
+/* geometry.c -- the primitives of one space, and what shading asks of them. See geometry.h. */
+#include "geometry/geometry.h"
+
+#include "base/mem.h"
+#include "geometry/triangle.h"
+
+#include <string.h>
+
+void geometry_clear(Geometry *g)
+{
+    for (size_t i = 0; i < g->nshapes; i++) {
+        mem_free(g->shapes[i].n);
+        mem_free(g->shapes[i].uv);
+    }
+    mem_free(g->p);
+    mem_free(g->tri);
+    mem_free(g->shapes);
+    mem_free(g->odd);
+    mem_free(g->firsts);
+    mem_free(g->mesh_shapes);
+    memset(g, 0, sizeof *g);
+}
+
+static bool too_many(void)
+{
+    return err_at((Place){ NULL, 0, 0 }, "too many primitives or vertices: at most %lu are possible",
+                  (unsigned long)UINT32_MAX - 1);
+}
+
+static bool add_shape(Geometry *g, ShapeKind kind, ShapeTraits traits, uint32_t *index)
+{
+    Shape *s;
+    if (g->nshapes >= UINT32_MAX - 1 || g->nodd >= UINT32_MAX - 1 - g->ntris)
+        return too_many();
+    if (!mem_grow(&g->shapes, &g->cap_shapes, g->nshapes + 1, sizeof *g->shapes))
+        return false;
+    s = &g->shapes[g->nshapes];
+    memset(s, 0, sizeof *s);
+    s->kind = kind;
+    s->material = traits.material;
+    s->light = traits.light;
+    s->flip = traits.flip;
+    if (kind != SHAPE_MESH &&
+        !MEM_PUSH(g->odd, g->nodd, g->cap_odd, (uint32_t)g->nshapes))
+        return false;
+    if (index)
+        *index = (uint32_t)g->nshapes;
+    g->nshapes++;
+    return true;
+}
+
+/* The first mesh gives its arrays away, so that one large mesh is never copied. */
+static bool take_vertices(Geometry *g, Mesh *m)
+{
+    uint32_t base = (uint32_t)g->nverts;
+
+    if (g->nverts == 0 && g->ntris == 0) {
+        mem_free(g->p);
+        mem_free(g->tri);
+        g->p = m->p;
+        g->tri = m->tri;
+        g->nverts = g->cap_p = m->nverts;
+        g->ntris = g->cap_tri = m->ntris;
+        m->p = NULL;
+        m->tri = NULL;
+        return true;
+    }
+    if (!mem_grow(&g->p, &g->cap_p, g->nverts + m->nverts, sizeof *g->p) ||
+        !mem_grow(&g->tri, &g->cap_tri, g->ntris + m->ntris, sizeof *g->tri))
+        return false;
+    if (m->nverts)
+        memcpy(g->p + base, m->p, m->nverts * sizeof *g->p);
+    for (uint32_t i = 0; i < m->ntris; i++)
+        for (int k = 0; k < 3; k++)
+            g->tri[g->ntris + i].v[k] = m->tri[i].v[k] + base;
+    g->nverts += m->nverts;
+    g->ntris += m->ntris;
+    return true;
+}
+
+bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape)
+{
+    uint32_t index, first = (uint32_t)g->ntris, first_vertex = (uint32_t)g->nverts;
+    Shape *s;
+
+    if (m->nverts > UINT32_MAX - 1 - g->nverts ||
+        m->ntris > UINT32_MAX - 1 - g->ntris - g->nodd)
+        return too_many();
+    if (!add_shape(g, SHAPE_MESH, traits, &index) || !take_vertices(g, m))
+        return false;
+    s = &g->shapes[index];
+    s->first = first;
+    s->count = m->ntris;
+    s->first_vertex = first_vertex;
+    s->n = m->n;
+    s->uv = m->uv;
+    m->n = NULL;
+    m->uv = NULL;
+    mesh_clear(m);
+    g->nmeshes++;
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint32_t *shape)
+{
+    uint32_t index;
+    if (!add_shape(g, SHAPE_SPHERE, traits, &index))
+        return false;
+    g->shapes[index].as.sphere = *s;
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape)
+{
+    uint32_t index;
+    if (!add_shape(g, SHAPE_DISK, traits, &index))
+        return false;
+    g->shapes[index].as.disk = *d;
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape)
+{
+    uint32_t index;
+    ShapeTraits traits = { 0, NO_LIGHT, false };
+    Instance *in;
+
+    if (!add_shape(g, SHAPE_INSTANCE, traits, &index))
+        return false;
+    in = &g->shapes[index].as.instance;
+    in->child = child;
+    in->to_world = xf_affine(to_world);
+    in->to_object = xf_affine_inverse(to_world);
+    in->bounds = box_empty();
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+bool geometry_finish(Geometry *g)
+{
+    size_t n = 0;
+
+    mem_free(g->firsts);
+    mem_free(g->mesh_shapes);
+    g->firsts = MEM_ARRAY(uint32_t, g->nmeshes);
+    g->mesh_shapes = MEM_ARRAY(uint32_t, g->nmeshes);
+    if (!g->firsts || !g->mesh_shapes)
+        return false;
+    for (size_t i = 0; i < g->nshapes; i++)
+        if (g->shapes[i].kind == SHAPE_MESH && g->shapes[i].count) {
+            g->firsts[n] = g->shapes[i].first;
+            g->mesh_shapes[n++] = (uint32_t)i;
+        }
+    g->nmeshes = n;
+    for (size_t k = 0; k < g->nodd; k++) {
+        g->shapes[g->odd[k]].first = (uint32_t)(g->ntris + k);
+        g->shapes[g->odd[k]].count = 1;
+    }
+    return true;
+}
+
+const Shape *geometry_shape(const Geometry *g, uint32_t prim)
+{
+    size_t n = g->nmeshes;
+    const uint32_t *base = g->firsts;
+
+    if (prim >= g->ntris)
+        return &g->shapes[g->odd[prim - g->ntris]];
+    while (n > 1) {                             /* the last first <= prim, without a branch */
+        size_t half = n / 2;
+        base += base[half] <= prim ? half : 0;
+        n -= half;
+    }
+    return &g->shapes[g->mesh_shapes[base - g->firsts]];
+}
+
+Box geometry_box(const Geometry *g, uint32_t prim)
+{
+    const Shape *s;
+
+    if (geometry_is_tri(g, prim)) {
+        V3 c[3];
+        geometry_corners(g, prim, c);
+        return triangle_box(c[0], c[1], c[2]);
+    }
+    s = &g->shapes[g->odd[prim - g->ntris]];
+    switch (s->kind) {
+    case SHAPE_SPHERE:   return sphere_box(&s->as.sphere);
+    case SHAPE_DISK:     return disk_box(&s->as.disk);
+    case SHAPE_INSTANCE: return s->as.instance.bounds;
+    case SHAPE_MESH:     break;
+    }
+    return box_empty();
+}
+
+/* ---- surfaces ---- */
+
+static V3 weighted(V3 a, V3 b, V3 c, float wa, float wb, float wc)
+{
+    return v3(wa * a.x + wb * b.x + wc * c.x, wa * a.y + wb * b.y + wc * c.y,
+              wa * a.z + wb * b.z + wc * c.z);
+}
+
+/* The point is interpolated, not taken along the ray: its error is then a few roundings of the
+ * corners, however far the ray came from. [PBRT4 6.8.5]: gamma(7) times the sum of the terms. */
+static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+{
+    const Tri *t = &g->tri[h->prim];
+    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
+    V3 a = g->p[t->v[0]], b = g->p[t->v[1]], c = g->p[t->v[2]];
+
+    s->p = weighted(a, b, c, w, u, v);
+    s->err = v_scale(weighted(v_abs(a), v_abs(b), v_abs(c), w, u, v), ROUNDINGS(7));
+    s->ng = v_unit(v_cross(v_sub(b, a), v_sub(c, a)));
+    s->uv = (V2){ u, v };
+    if (shape->uv) {
+        const V2 *uv = shape->uv - shape->first_vertex;
+        V2 p = uv[t->v[0]], q = uv[t->v[1]], r = uv[t->v[2]];
+        s->uv.x = w * p.x + u * q.x + v * r.x;
+        s->uv.y = w * p.y + u * q.y + v * r.y;
+    }
+    s->ns = s->ng;
+    if (shape->n) {
+        const V3 *n = shape->n - shape->first_vertex;
+        V3 m = v_unit(weighted(n[t->v[0]], n[t->v[1]], n[t->v[2]], w, u, v));
+        if (m.x != 0.0f || m.y != 0.0f || m.z != 0.0f) {
+            if (v_dot(m, s->ng) < 0.0f)                 /* the file's normals say what is front */
+                s->ng = v_neg(s->ng);
+            s->ns = m;
+            return;
+        }
+    }
+    if (shape->flip)
+        s->ng = s->ns = v_neg(s->ng);
+}
+
+static void sphere_surface(const Sphere *sp, const Shape *shape, const Ray *r, const Hit *h,
+                           Surface *s)
+{
+    V3 d = v_unit(v_sub(v_mad(r->d, h->t, r->o), sp->centre));
+    V3 local = frame_in(&sp->frame, d);
+    float phi = m_atan2(local.y, local.x);
+
+    /* Put back on the sphere: five roundings of the offset and one of the sum. */
+    s->p = v_mad(d, sp->radius, sp->centre);
+    s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
+    s->ng = s->ns = shape->flip ? v_neg(d) : d;
+    if (phi < 0.0f)
+        phi += 2.0f * PI_F;
+    s->uv.x = phi / sp->phimax;
+    s->uv.y = m_acos(-local.z) * INV_PI;        /* 0 at the lower pole, 1 at the upper */
+    if (!sp->whole) {
+        float lo = m_acos(-sp->zmin / sp->radius), hi = m_acos(-sp->zmax / sp->radius);
+        s->uv.y = (s->uv.y * PI_F - lo) / (hi - lo);
+    }
+}
+
+static void disk_surface(const Disk *d, const Shape *shape, const Ray *r, const Hit *h, Surface *s)
+{
+    V3 q = v_sub(v_mad(r->d, h->t, r->o), d->centre);
+    float x = v_dot(q, d->frame.s), y = v_dot(q, d->frame.t), rad = sqrtf(x * x + y * y);
+    float phi = m_atan2(y, x);
+
+    s->p = v_mad(d->frame.s, x, v_mad(d->frame.t, y, d->centre));
+    s->err = v_scale(v_add(v_all(d->radius), v_abs(d->centre)), ROUNDINGS(6));
+    s->ng = s->ns = shape->flip ? v_neg(d->frame.n) : d->frame.n;
+    if (phi < 0.0f)
+        phi += 2.0f * PI_F;
+    s->uv.x = phi / d->phimax;
+    s->uv.y = d->radius > d->inner ? (d->radius - rad) / (d->radius - d->inner) : 0.0f;
+}
+
+void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
+{
+    const Shape *shape = geometry_shape(g, h->prim);
+
+    s->shape = shape;
+    s->prim = h->prim;
+    switch (shape->kind) {
+    case SHAPE_MESH:     triangle_surface(g, shape, h, s); break;
+    case SHAPE_SPHERE:   sphere_surface(&shape->as.sphere, shape, r, h, s); break;
+    case SHAPE_DISK:     disk_surface(&shape->as.disk, shape, r, h, s); break;
+    case SHAPE_INSTANCE: ASSERT(!"an instance has no surface"); break;
+    }
+}
