@@ -1,12 +1,15 @@
 /* maths.c -- transcendental functions from + - * / and sqrt. See maths.h.
  *
- * Each function has three steps: an argument reduction that is exact or carries its error term, a
- * polynomial on a short interval about 0, and putting the result together. The polynomials are
- * minimax fits (Remez exchange at 60 digits, leading Taylor terms kept exact so that small
- * arguments keep their relative accuracy), rounded to double; the bound beside each is its relative
- * error. There are two sets: `brief` ones, whose error vanishes in the rounding to float, and `full`
- * ones for results in double. Nothing here depends on fused multiply-add, on the rounding of
- * conversions or on the byte order. */
+ * Each function has three steps: an argument reduction that is exact or nearly so, a polynomial on
+ * a short interval about 0, and putting the result together. The polynomials are minimax fits
+ * (Remez exchange at 60 digits; the leading Taylor terms are kept, so that small arguments lose
+ * nothing), rounded to double; the bound beside each is its relative error. There are two sets:
+ * `brief` ones, whose error vanishes in the rounding to float, and `full` ones for results in
+ * double. Those of `brief` are summed in pairs and not by Horner's rule, for a processor that can
+ * do several things at once.
+ *
+ * Of IEEE arithmetic this asks rounding to nearest and double operations that round to double (see
+ * platform.h); nothing depends on the byte order. */
 #include "base/maths.h"
 
 #include "base/platform.h"
@@ -42,10 +45,17 @@ static double with_sign_of(double size, double sign)
 
 static bool finite_d(double x) { return x - x == 0.0; }
 
-static double power_of_2(int n) { return double_of((uint64_t)(n + 1023) << 52); }  /* normal ones */
+/* For n (modulo 2^32) in -1022 .. 1023. */
+static double power_of_2(uint32_t n) { return double_of((uint64_t)(n + 1023) << 52); }
 
-/* The nearest integer, for |x| < 2^31. On a middle either will do here. */
-static int nearest(double x) { return (int)(x < 0.0 ? x - 0.5 : x + 0.5); }
+/* The nearest integer to x, |x| < 2^31, also modulo 2^32: above 2^52 there is no room for a
+ * fraction, and the last bits of the pattern count in ones. Much quicker than a conversion. */
+static double nearest(double x, uint32_t *n)
+{
+    double shifted = x + 0x1.8p52;
+    *n = (uint32_t)bits_of(shifted);
+    return shifted - 0x1.8p52;
+}
 
 /* A float from a double of any size: C99 leaves a conversion out of range undefined. */
 static float to_float(double y) { return y < FLOAT_END ? (float)y : INFINITY; }
@@ -110,19 +120,19 @@ static void add_product(uint32_t p[WORDS], const uint32_t a[WORDS], uint32_t m, 
  * of 4 can be left out, as can those too far behind. The 192 bits in between, times m, leave 2 bits
  * of quadrant and a fraction whose error, 2^-137, is far below the least that a double comes
  * to a multiple of pi/2 (about 2^-61). */
-static int reduce_huge(double x, double *r)
+static uint32_t reduce_huge(double x, double *r)
 {
     uint64_t bits = bits_of(x), m = (bits & (((uint64_t)1 << 52) - 1)) | (uint64_t)1 << 52;
-    int e = (int)(bits >> 52 & 0x7FF) - 1075, first = e + 62, shift = first % 32, quadrant;
+    int e = (int)(bits >> 52 & 0x7FF) - 1075, first = e + 62, shift = first % 32;
     const uint32_t *table = TWO_OVER_PI_BITS + first / 32;
-    uint32_t a[WORDS], p[WORDS] = { 0 }, flip;
+    uint32_t a[WORDS], p[WORDS] = { 0 }, flip, quadrant;
     double f = 0.0, unit = 0x1p-190;
 
     for (int k = 0; k < WORDS; k++)
         a[k] = (uint32_t)(((uint64_t)table[k] << 32 | table[k + 1]) >> (32 - shift));
     add_product(p, a, (uint32_t)m, 0);
     add_product(p, a, (uint32_t)(m >> 32), 32);
-    quadrant = (int)(p[0] >> 30);
+    quadrant = p[0] >> 30;
     flip = p[0] >> 29 & 1 ? 0xFFFFFFFF : 0;             /* above 1/2: minus what is missing to 1 */
     p[0] = ((p[0] ^ flip) & 0x3FFFFFFF);
     for (int k = WORDS - 1; k >= 0; k--, unit *= 0x1p32)
@@ -132,50 +142,53 @@ static int reduce_huge(double x, double *r)
         f = -f;
     }
     *r = x < 0.0 ? -f * PI_2 : f * PI_2;
-    return (x < 0.0 ? -quadrant : quadrant) & 3;
+    return (x < 0.0 ? 4 - quadrant : quadrant) & 3;
 }
 
 /* x = quadrant * pi/2 + r with |r| <= pi/4, of a finite x. Below 2^20 by [Cody80]: pi/2 in three
  * parts, of which the first two have 33 bits, so that n times each is exact. */
-static int reduce(double x, double *r)
+static uint32_t reduce(double x, double *r)
 {
-    int n;
+    uint32_t quadrant;
+    double n;
 
     if (UNLIKELY(fabs(x) >= 0x1p20))
         return reduce_huge(x, r);
-    n = nearest(x * TWO_OVER_PI);
+    n = nearest(x * TWO_OVER_PI, &quadrant);
     *r = ((x - n * 0x1.921fb544p+0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69;
-    return n & 3;
+    return quadrant & 3;
 }
 
-/* Of quadrant * pi/2 + r, given sine and cosine of r. Without branches: the quadrants of sampled
- * angles cannot be foretold. */
-static void turn(int quadrant, float s, float c, float *out_s, float *out_c)
+/* The pair for quadrant * pi/2 + r, given that for r. Without branches, because the quadrants of
+ * sampled angles cannot be foretold: exchange and signs are done on the bits. */
+static void turn(uint32_t quadrant, float s, float c, float *out_s, float *out_c)
 {
-    static const float SIGN[5] = { 1.0f, 1.0f, -1.0f, -1.0f, 1.0f };
-    float pair[2];
+    uint32_t a, b, exchange;
 
-    pair[quadrant & 1] = s;
-    pair[~quadrant & 1] = c;
-    *out_s = pair[0] * SIGN[quadrant];
-    *out_c = pair[1] * SIGN[quadrant + 1];
+    memcpy(&a, &s, sizeof a);
+    memcpy(&b, &c, sizeof b);
+    exchange = (a ^ b) & (0 - (quadrant & 1));
+    a ^= exchange ^ (quadrant & 2) << 30;
+    b ^= exchange ^ ((quadrant + 1) & 2) << 30;
+    memcpy(out_s, &a, sizeof a);
+    memcpy(out_c, &b, sizeof b);
 }
 
 void m_sincos_turn(float u, float *s, float *c)
 {
+    uint32_t quadrant;
     double quarters = 4.0 * u, r;
-    int n = nearest(quarters);
 
-    r = (quarters - n) * PI_2;
-    turn(n & 3, (float)sin_brief(r), (float)cos_brief(r), s, c);
+    r = (quarters - nearest(quarters, &quadrant)) * PI_2;
+    turn(quadrant, (float)sin_brief(r), (float)cos_brief(r), s, c);
 }
 
 void m_sincos(float x, float *s, float *c)
 {
     double r;
-    int quadrant;
+    uint32_t quadrant;
 
-    if (!is_finite(x)) {
+    if (UNLIKELY(!is_finite(x))) {
         *s = *c = NAN;
         return;
     }
@@ -185,26 +198,16 @@ void m_sincos(float x, float *s, float *c)
 
 float m_sin(float x)
 {
-    double r, y;
-    int quadrant;
-
-    if (!is_finite(x))
-        return NAN;
-    quadrant = reduce(x, &r);
-    y = quadrant & 1 ? cos_brief(r) : sin_brief(r);
-    return (float)(quadrant & 2 ? -y : y);
+    float s, c;
+    m_sincos(x, &s, &c);
+    return s;
 }
 
 float m_cos(float x)
 {
-    double r, y;
-    int quadrant;
-
-    if (!is_finite(x))
-        return NAN;
-    quadrant = reduce(x, &r);
-    y = quadrant & 1 ? sin_brief(r) : cos_brief(r);
-    return (float)((quadrant + 1) & 2 ? -y : y);
+    float s, c;
+    m_sincos(x, &s, &c);
+    return c;
 }
 
 float m_tan(float x)
@@ -221,7 +224,7 @@ float m_tan(float x)
 double md_sin(double x)
 {
     double r, y;
-    int quadrant;
+    uint32_t quadrant;
 
     if (!finite_d(x))
         return NAN;
@@ -235,7 +238,7 @@ double md_sin(double x)
 double md_cos(double x)
 {
     double r, y;
-    int quadrant;
+    uint32_t quadrant;
 
     if (!finite_d(x))
         return NAN;
@@ -246,40 +249,31 @@ double md_cos(double x)
 
 /* ---- arc tangent and its kin ---- */
 
-/* The angle whose tangent is y/x, in [0, pi/2], for y, x >= 0, not nan; 0 if both are 0. Of the two
- * the smaller goes above, and tan(a - pi/4) = (y - x) / (y + x) takes care of pi/8 .. pi/4. */
+/* The angle whose tangent is y/x, in [0, pi/2], for y, x >= 0, not nan; 0 if both are 0. The smaller
+ * one goes above, and tan(a - pi/4) = (y - x) / (y + x) serves above pi/8. No branch but for the
+ * ends, because directions cannot be foretold. */
 static double angle(double y, double x)
 {
-    bool steep = y > x;
-    double base = 0.0, t, z, a;
+    double above = y < x ? y : x, below = y < x ? x : y;
+    double t, z, w, even, odd, a;
+    bool far;
 
-    if (steep) {
-        t = y;
-        y = x;
-        x = t;
-    }
-    if (x == 0.0)
+    if (below == 0.0)
         return 0.0;
-    if (x == INFINITY) {
-        y = y == INFINITY;
-        x = 1.0;
-    } else if (x > 0x1p1022) {                          /* y + x must not overflow */
-        y *= 0.5;
-        x *= 0.5;
+    if (UNLIKELY(below > 0x1p1022)) {                   /* a sum must not overflow */
+        above = below < INFINITY ? above * 0.5 : above == INFINITY;
+        below = below < INFINITY ? below * 0.5 : 1.0;
     }
-    if (y > TAN_PI_8 * x) {
-        t = (y - x) / (y + x);
-        base = PI_4;
-    } else
-        t = y / x;
+    far = above > TAN_PI_8 * below;
+    t = (above - (far ? below : 0.0)) / (below + (far ? above : 0.0));
     z = t * t;                                          /* 2^-59.5 */
-    a = base + (t + t * z * (-0x1.555555555553dp-2 + z * (0x1.99999999958ebp-3 +
-                z * (-0x1.24924922b1207p-3 + z * (0x1.c71c70e7a23a5p-4 +
-                z * (-0x1.745cf90b18e73p-4 + z * (0x1.3b111c6462db9p-4 +
-                z * (-0x1.10ebdd9bedd8ep-4 + z * (0x1.df11674da0655p-5 +
-                z * (-0x1.9cdc25af57346p-5 + z * (0x1.37ed3c6ac1250p-5 +
-                z * -0x1.259d3ed12877bp-6)))))))))));
-    return steep ? PI_2 - a : a;
+    w = z * z;
+    even = -0x1.555555555553dp-2 + w * (-0x1.24924922b1207p-3 + w * (-0x1.745cf90b18e73p-4 +
+           w * (-0x1.10ebdd9bedd8ep-4 + w * (-0x1.9cdc25af57346p-5 + w * -0x1.259d3ed12877bp-6))));
+    odd = 0x1.99999999958ebp-3 + w * (0x1.c71c70e7a23a5p-4 + w * (0x1.3b111c6462db9p-4 +
+          w * (0x1.df11674da0655p-5 + w * 0x1.37ed3c6ac1250p-5)));
+    a = (far ? PI_4 : 0.0) + (t + t * z * (even + z * odd));
+    return y > x ? PI_2 - a : a;
 }
 
 double md_atan2(double y, double x)
@@ -325,8 +319,8 @@ float m_acos(float x)
 /* e^x for |x| < 700. */
 static double exp_brief(double x)                       /* 2^-32 */
 {
-    int n = nearest(x * LOG2E);
-    double r = x - n * LN2, r2 = r * r;
+    uint32_t n;
+    double r = x - nearest(x * LOG2E, &n) * LN2, r2 = r * r;
     double low = 0x1.0000000b92186p-1 + r * 0x1.5555557430b46p-3;
     double mid = 0x1.5554e9027337ap-5 + r * 0x1.1110ab6d0386cp-7;
     double high = 0x1.6d432850007abp-10 + r * 0x1.a17e0b73eb57ep-13;
@@ -338,22 +332,23 @@ static double exp_brief(double x)                       /* 2^-32 */
  * a double where the result is, and only the last step may round. */
 static double exp_full(double x, double more)           /* 2^-59.3 * r^2 */
 {
-    double r, y;
-    int n, half;
+    double n, r, y;
+    uint32_t unused;
+    int half;
 
     if (x > 710.0)
         return INFINITY;
     if (x < -746.0)
         return 0.0;
-    n = nearest(x * LOG2E);
-    half = n / 2;
+    n = nearest(x * LOG2E, &unused);
+    half = (int)n / 2;
     r = (x - n * 0x1.62e42fefa3p-1) + (more - n * 0x1.3de6af278ece6p-42);
     y = 1.0 + (r + r * r * (0.5 + r * (0x1.5555555555557p-3 + r * (0x1.5555555555558p-5 +
                    r * (0x1.11111111100dbp-7 + r * (0x1.6c16c16c151fep-10 +
                    r * (0x1.a01a01abe825fp-13 + r * (0x1.a01a01acfa4ffp-16 +
                    r * (0x1.71de0231273f0p-19 + r * (0x1.27e4ccce8dacfp-22 +
                    r * (0x1.af4dea4a1c08bp-26 + r * 0x1.1f8b4bf89fbbap-29)))))))))));
-    return y * power_of_2(half) * power_of_2(n - half);
+    return y * power_of_2((uint32_t)half) * power_of_2((uint32_t)((int)n - half));
 }
 
 /* e^x as a float for any x but nan. */

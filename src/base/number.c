@@ -1,7 +1,7 @@
 /* number.c -- decimal to binary and back, correctly rounded. See number.h.
  *
- * A decimal is w * 10^e with an integer w; a binary value m * 2^e. Both conversions come down to one
- * question, the integer part of (integer) * 2^a * 10^b and whether anything is left over, which
+ * A decimal is w * 10^e with an integer w; a binary value m * 2^e. Both conversions come down to
+ * one question, the integer part of (integer) * 2^a * 10^b and whether anything is left over, which
  * ratio_floor answers exactly with whole numbers of bounded size. In front of it stands arithmetic
  * in double wherever a bound of its error proves the rounding [Clinger90, Gay90]:
  *   - an integer up to 2^53 and a power of ten up to 10^22 are doubles, so one operation on them
@@ -297,7 +297,7 @@ static size_t scan(const char *s, const char *end, Decimal *d)
     return (size_t)(p - s);
 }
 
-/* All that matters of a long number as an integer; *e10 is its power of ten. True: there is more. */
+/* What matters of a long number, as an integer; *e10 is its power of ten. True: there is more. */
 static bool take_digits(const Decimal *d, Big *a, int *e10)
 {
     uint32_t group = 0, unit = 1;
