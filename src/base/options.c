@@ -32,6 +32,19 @@ Param *params_find(const Params *ps, const char *name, const char *also)
     return NULL;
 }
 
+/* "x y z" of a table: our own text, so a fault in it is our bug. */
+static Rgb three_of(const char *text)
+{
+    double x[3];
+    const char *end = text + strlen(text);
+    for (int i = 0; i < 3; i++) {
+        size_t n = number_double(text, end, &x[i]);
+        ASSERT(n > 0);
+        text += n + (text + n < end);
+    }
+    return rgb((float)x[0], (float)x[1], (float)x[2]);
+}
+
 void opts_default(Opts *o, const OptDef *defs)
 {
     memset(o, 0, sizeof *o);
@@ -41,6 +54,8 @@ void opts_default(Opts *o, const OptDef *defs)
         o->value[i].num = defs[i].num;
         o->value[i].rgb = rgb_all((float)defs[i].num);
         o->value[i].str = defs[i].str;
+        if (defs[i].type == OPT_POINT && defs[i].str)
+            o->value[i].rgb = three_of(defs[i].str);
     }
 }
 
@@ -70,6 +85,7 @@ static const char *expected(const OptDef *d, char *buf, size_t room)
     case OPT_STRING: return "a string";
     case OPT_RGB:    return "one number or three";
     case OPT_POINT:  return "three numbers";
+    case OPT_NUMBERS: return "numbers";
     case OPT_CHOICE: snprintf(buf, room, "one of %s", d->choices); return buf;
     case OPT_INT: case OPT_FLOAT: break;
     }
@@ -137,11 +153,13 @@ static bool set_from_text(const OptDef *d, OptValue *v, const char *s, size_t n,
         v->rgb = rgb((float)x[0], (float)x[1], (float)x[2]);
         return in_range(d, x[0]) && in_range(d, x[1]) && in_range(d, x[2]);
     case OPT_CHOICE:
-        if (!in_words(d->choices, s, n))
-            return false;                                /* fall through: keep the word */
     case OPT_STRING:
+        if (d->type == OPT_CHOICE && !in_words(d->choices, s, n))
+            return false;
         v->str = arena_string(arena, s, n);
         return v->str != NULL;
+    case OPT_NUMBERS:
+        break;
     }
     return false;
 }
@@ -193,6 +211,8 @@ static bool set_from_param(const OptDef *d, OptValue *v, const Param *p)
     case OPT_FLOAT:
     case OPT_RGB:
     case OPT_POINT:  ok = ok && number; break;
+    case OPT_NUMBERS: return number || err_at(p->at, "\"%s %s\" is not right, expected numbers",
+                                              p->type, p->name);
     case OPT_STRING: ok = ok && p->kind == PARAM_STRING; break;
     case OPT_CHOICE:
         ok = ok && p->kind == PARAM_STRING &&
@@ -255,6 +275,7 @@ float       opt_float(const Opts *o, const char *key) { return (float)value_of(o
 Rgb         opt_rgb(const Opts *o, const char *key) { return value_of(o, key)->rgb; }
 const char *opt_string(const Opts *o, const char *key) { return value_of(o, key)->str; }
 bool        opt_given(const Opts *o, const char *key) { return value_of(o, key)->given; }
+const Param *opt_param(const Opts *o, const char *key) { return value_of(o, key)->param; }
 
 V3 opt_point(const Opts *o, const char *key)
 {

@@ -13,6 +13,7 @@ typedef enum {
     OPT_BOOL, OPT_INT, OPT_FLOAT,
     OPT_RGB,                    /* three numbers, or one for grey */
     OPT_POINT,                  /* three numbers */
+    OPT_NUMBERS,                /* any count, scene files only: read them from OptValue.param */
     OPT_STRING,
     OPT_CHOICE                  /* one of the words in `choices` */
 } OptType;
@@ -22,7 +23,7 @@ typedef struct {
     OptType     type;
     double      num;            /* default of BOOL, INT, FLOAT, grey RGB, POINT (all three) */
     double      lo, hi;         /* closed range of numbers; lo == hi: any */
-    const char *str;            /* default of STRING and CHOICE */
+    const char *str;            /* default of STRING and CHOICE; "x y z" of POINT (else num) */
     const char *choices;        /* CHOICE: "a b c" */
     const char *help;
     const char *also;           /* other spellings, "Kd color": those of older scene files */
@@ -79,5 +80,6 @@ V3          opt_point(const Opts *o, const char *key);
 const char *opt_string(const Opts *o, const char *key);
 bool        opt_is(const Opts *o, const char *key, const char *choice);
 bool        opt_given(const Opts *o, const char *key);
+const Param *opt_param(const Opts *o, const char *key);  /* NULL: not from a scene file */
 
 #endif

@@ -89,9 +89,17 @@ typedef struct {
 
 struct Light {                  /* first member of every concrete light */
     const LightKind *kind;
+    uint32_t index;             /* in the scene's lights */
     Place at;
 };
 extern const LightKind *const lights[];         /* ends with NULL */
+
+/* pdf_w and radiance of lights that no ray can hit: 0. */
+float delta_pdf_w(const Light *l, V3 from, V3 wi, const Surface *hit);
+Rgb   delta_radiance(const Light *l, V3 wi, const Surface *hit);
+
+/* The sky of a bare mesh: soft light from above, a broad key light on one side. NULL: reported. */
+Light *light_studio(const Making *m);
 
 /* ---- cameras: one file a kind; camera.c has the list ---- */
 
@@ -109,6 +117,8 @@ extern const CameraKind *const cameras[];       /* ends with NULL */
 
 /* ---- the scene ---- */
 
+typedef struct { const char *path; Image image; } SceneImage;   /* path in the arena */
+
 struct Scene {
     Arena arena;                        /* lights, cameras, textures, names */
     Geometry *geometries;               /* owned; [0] is the world, others are instanced */
@@ -118,7 +128,9 @@ struct Scene {
     size_t    nmaterials, cap_materials;
     Light   **lights;                   /* owned array, lights in the arena */
     size_t    nlights, cap_lights;
-    Image   **images;                   /* owned: of textures and lights */
+    const Light **infinite;             /* owned array: those that rays meet beyond the scene */
+    size_t    ninfinite;
+    SceneImage **images;                /* owned: of textures and lights */
     size_t    nimages, cap_images;
     Camera   *camera;                   /* in the arena, or NULL */
     Accel    *accel;                    /* of the world; borrowed from accels */
@@ -134,7 +146,7 @@ bool   scene_add_geometry(Scene *s, uint32_t *index);
 bool   scene_add_material(Scene *s, const Material *m, uint32_t *index);
 bool   scene_add_light(Scene *s, Light *l, uint32_t *index);
 /* Reads a picture for a texture or a light; the scene keeps it. One file is read once. */
-Image *scene_image(Scene *s, const Making *m, const char *name);
+const Image *scene_image(Scene *s, const Making *m, const char *name);
 /* Finishes geometries, builds structures bottom up, prepares lights. */
 bool   scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads);
 

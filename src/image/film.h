@@ -1,0 +1,63 @@
+/* film.h -- where samples add up.
+ *
+ * Sums are exact: a pixel holds a fixed-point number of 128 bits, so adding is associative, and a
+ * picture does not depend on the order of samples, units, threads or shards. A unit in the last
+ * place is 2^-60; a value may be as large as 2^60, so a float of usual size is added to 24 bits and
+ * one of 1e-12 still to 20. What is not finite or larger than that is refused and counted. */
+#ifndef IMAGE_FILM_H
+#define IMAGE_FILM_H
+
+#include "image/image.h"
+
+/* value = (hi 2^64 + lo) 2^-60, two's complement */
+typedef struct { uint64_t lo, hi; } Exact;
+
+bool   exact_add(Exact *e, float v);    /* false: v is not finite or too large; *e unchanged */
+void   exact_join(Exact *e, const Exact *other);
+double exact_value(const Exact *e);
+
+enum { FILM_TILE = 16 };                /* side of a tile, pixels */
+
+/* Statistics of a tile's samples, by luminance. Added to by one thread at a time. */
+typedef struct {
+    double   sum, squares;
+    uint64_t samples, refused;
+    uint32_t bad_x, bad_y, bad_index;   /* the first one refused: pixel and sample */
+} TileStats;
+
+/* The window [x0, x1) x [y0, y1) of a picture of full_w x full_h. Layer 0 is the picture; others
+ * are whatever the caller calls them. */
+typedef struct {
+    uint32_t full_w, full_h, x0, y0, x1, y1, w, h;
+    uint32_t tiles_x, tiles_y;
+    int      layers;
+    Exact   *sums;                      /* owned: [layer][pixel][3] */
+    uint32_t *counts;                   /* owned: samples of each pixel */
+    TileStats *tiles;                   /* owned */
+} Film;
+
+/* False: reported, nothing held. layers >= 1. */
+bool film_init(Film *f, uint32_t full_w, uint32_t full_h, const uint32_t crop[4], int layers);
+void film_clear(Film *f);
+
+/* Pixels of tile k, in picture coordinates: half open. */
+void film_tile(const Film *f, uint32_t k, uint32_t *x0, uint32_t *y0, uint32_t *x1, uint32_t *y1);
+INLINE uint32_t film_ntiles(const Film *f) { return f->tiles_x * f->tiles_y; }
+INLINE size_t film_pixel(const Film *f, uint32_t x, uint32_t y)
+{
+    return (size_t)(y - f->y0) * f->w + (x - f->x0);
+}
+
+/* One camera sample of pixel (x, y): values[layer]. A sample with any bad value counts as black in
+ * the layer that has it, and is recorded. index: the sample's number, for messages. */
+void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values);
+
+void film_picture(const Film *f, int layer, Image *im);         /* im has the window's size */
+uint64_t film_samples(const Film *f);
+uint64_t film_refused(const Film *f, uint32_t *x, uint32_t *y, uint32_t *index);
+/* Estimated sigma/mu of the picture's noise, [Cline07 (4.13)], from the spread of the samples
+ * within pixels: exact for independent samples, too high for stratified ones. Infinity before any
+ * pixel has two. */
+double film_error(const Film *f);
+
+#endif

@@ -1,0 +1,29 @@
+/* integrator.c -- the list of integrators and what they share. See integrator.h. */
+#include "integrators/integrator.h"
+
+#define INTEGRATORS(X)                                                         \
+    X(path)                     /* eye paths */                                \
+    X(ao)                       /* how open the surroundings are */
+#define DECLARE(name) extern const IntegratorKind integrator_##name;
+#define ENTRY(name) &integrator_##name,
+INTEGRATORS(DECLARE)
+const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
+
+const char *const strategy_names[STRATEGIES] = { "implicit", "explicit" };
+const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
+
+bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to)
+{
+    Ray r;
+
+    r.o = ray_origin(from->p, from->err, from->ng, to->wi);
+    if (is_finite(to->dist)) {
+        V3 end = ray_origin(to->p, to->err, to->n, v_neg(to->wi));
+        r.d = v_sub(end, r.o);
+        r.tmax = SHADOW_TMAX;
+    } else {
+        r.d = to->wi;
+        r.tmax = INFINITY;
+    }
+    return !tracer_blocked(t, &r);
+}

@@ -1,0 +1,93 @@
+/* integrator.h -- how light travels. One file a method; integrator.c has the list.
+ *
+ * The driver (render/) owns threads, budgets and film; an integrator offers work in one of two
+ * shapes: radiance along a camera ray, or passes made of phases made of units that may run in any
+ * order (light paths, photon maps, chains). Everything random comes from the Tracer's sampler, by
+ * (seed, pixel or unit, index, decision), never from the thread. */
+#ifndef INTEGRATORS_INTEGRATOR_H
+#define INTEGRATORS_INTEGRATOR_H
+
+#include "image/film.h"
+#include "sampling/sampler.h"
+#include "scene/scene.h"
+
+typedef struct Integrator Integrator;
+
+/* What one camera sample found, apart by path length and by strategy: for tests, and for pictures
+ * of each (--aov length:3=FILE, --aov strategy:explicit=FILE). */
+typedef enum { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGIES } Strategy;
+extern const char *const strategy_names[STRATEGIES];
+enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
+typedef struct {
+    Rgb length[TALLY_LENGTHS];
+    Rgb strategy[STRATEGIES];
+} Tally;
+
+/* One worker's tools. */
+typedef struct {
+    const Scene *scene;         /* borrowed */
+    Sampler  sampler;
+    uint64_t rays;              /* cast so far, for progress */
+    Tally   *tally;             /* borrowed, or NULL: nobody wants it */
+} Tracer;
+
+INLINE bool tracer_nearest(Tracer *t, const Ray *r, Hit *h)
+{
+    t->rays++;
+    return accel_nearest(t->scene->accel, r, h);
+}
+INLINE bool tracer_blocked(Tracer *t, const Ray *r)
+{
+    t->rays++;
+    return accel_blocked(t->scene->accel, r);
+}
+/* Whether anything stands between the surface point p (error, normal) and the light's point. */
+bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to);
+
+/* Adds a path of `edges` edges, found by `how`, to the tally. */
+INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
+{
+    Rgb *sum;
+    if (LIKELY(!t->tally))
+        return;
+    sum = &t->tally->length[edges < TALLY_LENGTHS ? edges : TALLY_LENGTHS - 1];
+    *sum = rgb_add(*sum, c);
+    t->tally->strategy[how] = rgb_add(t->tally->strategy[how], c);
+}
+
+/* What the mean of a method's pictures is, as samples and as passes go to infinity. */
+typedef enum {
+    UNBIASED,                   /* right at any number of samples */
+    CONSISTENT,                 /* right in the limit */
+    BIASED                      /* leaves something out or smooths; `misses` says what */
+} Truth;
+extern const char *const truth_names[3];
+
+typedef struct {
+    KindInfo info;
+    Truth truth;
+    const char *misses;         /* light it cannot find, or "": which scenes tests exempt */
+
+    /* Prepares for rendering. NULL: reported. */
+    Integrator *(*open)(const Scene *s, const Opts *o);
+    void (*close)(Integrator *it);
+
+    /* Shape 1: radiance arriving along the ray, one estimate. NULL: shape 2. */
+    Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
+
+    /* Shape 2: pass `pass` has phases 0 .. phases-1, each of units(...) units; all units of a phase
+     * end before the next begins. What a unit adds to the film must not depend on the order. */
+    int phases;
+    uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
+    void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+} IntegratorKind;
+
+struct Integrator {             /* first member of every concrete one */
+    const IntegratorKind *kind;
+    const Scene *scene;         /* borrowed */
+};
+
+extern const IntegratorKind *const integrators[];       /* ends with NULL */
+#define INTEGRATOR_DEFAULT "path"
+
+#endif

@@ -1,0 +1,241 @@
+/* path.c -- path tracing.
+ *
+ * Source      [Cline07 7.4, 4.4.3], [GIRT10 2.2.2], [Veach97] for the power heuristic.
+ * Idea        An eye path grows by sampling the BSDF. At each vertex it may be completed in two
+ *             ways: implicitly, by meeting a light, and explicitly, by a connection to a sampled
+ *             point of one. Each path that both ways can make is weighted by the heuristic on the
+ *             two densities per solid angle, so that the weights of a path sum to 1.
+ * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
+ * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
+ *             throughput * Le. E[radiance] = L for every strategy that can find the light.
+ * Departs     Roulette uses the largest channel of the throughput (with the radiance scale of
+ *             refraction taken out), not the reflectance of one vertex: dark chains end sooner.
+ *             Directions that the shading normal allows and the geometric one does not are black.
+ * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
+#include "base/mem.h"
+#include "integrators/integrator.h"
+#include "lightsampling/lightsampler.h"
+
+typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
+
+typedef struct {
+    Integrator base;
+    LightSampler *lights;       /* owned */
+    Ways  ways;
+    bool  power;                /* power heuristic; else balance */
+    int   maxdepth;             /* most vertices between eye and light */
+    int   roulette;             /* first bounce that may end the path */
+} Path;
+
+/* The path so far: what the next vertex needs to know of the last one. */
+typedef struct {
+    Ray  ray;
+    Rgb  throughput;
+    V3   p, n;                  /* last vertex, for the density of having asked for a light there */
+    float pdf_w;                /* of the last direction; 0: the eye or a delta event */
+    float eta2;                 /* product of squared index ratios: the scale of radiance */
+    int  depth;                 /* scattering events so far */
+} Eye;
+
+/* Weight of a way with density a against one with density b. [Veach97 9.2.2, 9.2.4] */
+static float heuristic(const Path *it, float a, float b)
+{
+    float r = b / a;            /* a > 0; b / a may be infinite and the weight 0 */
+    return 1.0f / (1.0f + (it->power ? r * r : r));
+}
+
+/* Weight of an implicit path that ends on light l, met along the last direction. */
+static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit)
+{
+    float pdf;
+
+    if (it->ways == IMPLICIT || e->pdf_w == 0.0f)
+        return 1.0f;            /* no other way could have made it */
+    if (it->ways == EXPLICIT)
+        return 0.0f;
+    pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
+          l->kind->pdf_w(l, e->p, e->ray.d, hit);
+    return heuristic(it, e->pdf_w, pdf);
+}
+
+static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Surface *hit,
+                          Tracer *t)
+{
+    Rgb L = l->kind->radiance(l, e->ray.d, hit), c;
+
+    if (rgb_black(L))
+        return L;
+    c = rgb_scale(rgb_mul(e->throughput, L), implicit_weight(it, e, l, hit));
+    tracer_tally(t, e->depth + 1, STRATEGY_IMPLICIT, c);
+    return c;
+}
+
+/* Light from beyond the scene. */
+static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
+{
+    const Scene *s = it->base.scene;
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < s->ninfinite; i++)
+        sum = rgb_add(sum, implicit_light(it, e, s->infinite[i], NULL, t));
+    return sum;
+}
+
+/* A connection of the vertex to one light. */
+static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const Frame *frame,
+                          const Bsdf *b, V3 wo, Tracer *t)
+{
+    Rgb black = rgb_all(0.0f), f, c;
+    LightSample ls;
+    float pmf, left, weight = 1.0f, pdf;
+    V3 wi;
+    const Light *l = it->lights->kind->pick(
+        it->lights, s->p, s->ns, sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)), &pmf,
+        &left);
+
+    if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->depth)),
+                               &ls))
+        return black;
+    wi = frame_in(frame, ls.wi);
+    if (!(v_dot(ls.wi, s->ng) * wi.z > 0.0f))
+        return black;
+    f = b->kind->eval(b, wo, wi, false);
+    if (rgb_black(f))
+        return black;
+    pdf = pmf * ls.pdf_w;
+    if (it->ways == MIS && !l->kind->delta)
+        weight = heuristic(it, pdf, b->kind->pdf_w(b, wo, wi));
+    if (!tracer_sees(t, s, &ls))
+        return black;
+    c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f), ls.L), fabsf(wi.z) * weight / pdf);
+    tracer_tally(t, e->depth + 2, STRATEGY_EXPLICIT, c);
+    return c;
+}
+
+/* Takes the path one scattering event further. False: it ends here. */
+static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame, const Bsdf *b,
+                    V3 wo, Tracer *t)
+{
+    BsdfSample bs;
+    float q;
+    V3 wi;
+
+    if (!b->kind->sample(b, wo, sample_1d(&t->sampler, DECISION(DECIDE_LOBE, e->depth)),
+                         sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, e->depth)), false, &bs))
+        return false;
+    wi = frame_out(frame, bs.wi);
+    if (!(v_dot(wi, s->ng) * bs.wi.z > 0.0f))
+        return false;
+    e->throughput = rgb_mul(e->throughput, bs.weight);
+    e->eta2 *= bs.eta * bs.eta;
+    e->depth++;
+    if (e->depth >= it->roulette) {
+        q = rgb_max(e->throughput) * e->eta2;
+        if (!(q > 0.0f))
+            return false;
+        if (q < 1.0f) {
+            if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, e->depth)) >= q)
+                return false;
+            e->throughput = rgb_scale(e->throughput, 1.0f / q);
+        }
+    }
+    e->ray.o = ray_origin(s->p, s->err, s->ng, wi);
+    e->ray.d = wi;
+    e->ray.tmax = INFINITY;
+    e->p = s->p;
+    e->n = s->ns;
+    e->pdf_w = bs.pdf_w;
+    return true;
+}
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    const Path *it = (const Path *)base;
+    const Scene *scene = base->scene;
+    Eye e = { *r, { 1, 1, 1 }, { 0, 0, 0 }, { 0, 0, 0 }, 0.0f, 1.0f, 0 };
+    Rgb sum = rgb_all(0.0f);
+
+    for (;;) {
+        Surface s;
+        Hit h;
+        Bsdf b;
+        Frame frame;
+        V3 wo;
+        if (!tracer_nearest(t, &e.ray, &h))
+            return rgb_add(sum, implicit_sky(it, &e, t));
+        accel_surface(scene->accel, &e.ray, &h, &s);
+        if (s.shape->light != NO_LIGHT)
+            sum = rgb_add(sum, implicit_light(it, &e, scene->lights[s.shape->light], &s, t));
+        if (e.depth >= it->maxdepth)
+            return sum;
+        material_bsdf(&scene->materials[s.shape->material], s.uv, &b);
+        frame = frame_about(s.ns);
+        wo = frame_in(&frame, v_neg(e.ray.d));
+        if (it->ways != IMPLICIT && (b.kind->flags & BSDF_SMOOTH))
+            sum = rgb_add(sum, explicit_light(it, &e, &s, &frame, &b, wo, t));
+        if (!scatter(it, &e, &s, &frame, &b, wo, t))
+            return sum;
+    }
+}
+
+static void close_path(Integrator *base)
+{
+    Path *it = (Path *)base;
+    if (it->lights)
+        it->lights->kind->close(it->lights);
+    mem_free(it);
+}
+
+static Integrator *open_path(const Scene *s, const Opts *o)
+{
+    const LightSamplerKind *lk = kind_find(lightsamplers, opt_string(o, "lightsampler"));
+    Path *it = MEM_NEW(Path);
+    Opts none;
+
+    if (!it)
+        return NULL;
+    it->base.scene = s;
+    it->ways = opt_is(o, "strategy", "implicit") ? IMPLICIT
+               : opt_is(o, "strategy", "explicit") ? EXPLICIT : MIS;
+    it->power = opt_is(o, "heuristic", "power");
+    it->maxdepth = (int)opt_int(o, "maxdepth");
+    it->roulette = (int)opt_int(o, "roulette");
+    opts_default(&none, lk->info.options);
+    it->lights = lk->open(s, &none);
+    if (!it->lights) {
+        mem_free(it);
+        return NULL;
+    }
+    it->lights->kind = lk;
+    for (size_t i = 0; it->ways == IMPLICIT && i < s->nlights; i++)
+        if (s->lights[i]->kind->delta) {
+            if (!warn_at(s->lights[i]->at, "strategy=implicit cannot find %s lights",
+                         s->lights[i]->kind->info.name)) {
+                close_path(&it->base);
+                return NULL;
+            }
+            break;
+        }
+    return &it->base;
+}
+
+static const OptDef options[] = {
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
+      .help = "most scattering events of a path; 0 shows lights only" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis",
+      .help = "how paths are completed: by meeting lights, by asking for them, by both" },
+    { .key = "heuristic", .type = OPT_CHOICE, .str = "power", .choices = "power balance",
+      .help = "weights of paths that both ways can make" },
+    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth",
+      .help = "first scattering event after which a path may end by chance" },
+    { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
+      .choices = "power uniform", .also = "lightsamplestrategy", .help = "how a light is chosen" },
+    { .key = NULL }
+};
+
+const IntegratorKind integrator_path = {
+    .info = { "path", "Cline07 7.4; GIRT10 2.2.2",
+              "path tracing, implicit and explicit light paths combined", options },
+    .truth = UNBIASED, .misses = "point and distant lights seen through delta surfaces",
+    .open = open_path, .close = close_path, .radiance = radiance
+};

@@ -1,0 +1,30 @@
+/* lightsampler.h -- which light to ask from a point. One file a method; lightsampler.c has the
+ * list. The probability of a choice is part of every explicit path's density, and of the weight of
+ * every implicit one, so `pmf` must be exactly what `pick` does. */
+#ifndef LIGHTSAMPLING_LIGHTSAMPLER_H
+#define LIGHTSAMPLING_LIGHTSAMPLER_H
+
+#include "base/kind.h"
+#include "scene/scene.h"
+
+typedef struct LightSampler LightSampler;
+
+typedef struct {
+    KindInfo info;
+    LightSampler *(*open)(const Scene *s, const Opts *o);       /* NULL: reported */
+    /* Picks by u in [0,1) for the point p with normal n; *pmf its probability, > 0. *left: what u
+     * still holds of chance, again in [0,1). NULL: no light is worth asking. */
+    const Light *(*pick)(const LightSampler *ls, V3 p, V3 n, float u, float *pmf, float *left);
+    float (*pmf)(const LightSampler *ls, V3 p, V3 n, const Light *l);
+    void (*close)(LightSampler *ls);
+} LightSamplerKind;
+
+struct LightSampler {           /* first member of every concrete one */
+    const LightSamplerKind *kind;
+    const Scene *scene;         /* borrowed */
+};
+
+extern const LightSamplerKind *const lightsamplers[];           /* ends with NULL */
+#define LIGHTSAMPLER_DEFAULT "power"
+
+#endif

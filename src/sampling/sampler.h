@@ -1,0 +1,64 @@
+/* sampler.h -- canonical numbers by named decision.
+ *
+ * A path builder never asks for "the next random number". It asks for a decision: what is being
+ * decided, at which bounce. A sampler answers with a number that is a pure function of the seed,
+ * the pixel, the sample's index and the decision, so that patterns can stratify each decision by
+ * itself, a Markov chain can mutate it, a map can guide it, and a test can enumerate it, all with
+ * the same path code; and so that nothing depends on the order in which work is done. */
+#ifndef SAMPLING_SAMPLER_H
+#define SAMPLING_SAMPLER_H
+
+#include "base/kind.h"
+#include "base/random.h"
+#include "base/vec.h"
+
+typedef enum {
+    DECIDE_PIXEL,               /* 2-D: place on the pixel */
+    DECIDE_LENS,                /* 2-D: place on the lens */
+    DECIDE_TIME,                /* 1-D: moment of the shutter */
+    DECIDE_LIGHT,               /* 1-D: which light */
+    DECIDE_LIGHT_POINT,         /* 2-D: point on it, or direction to it */
+    DECIDE_LOBE,                /* 1-D: which part of the BSDF; reflect or transmit */
+    DECIDE_DIRECTION,           /* 2-D: scattered direction */
+    DECIDE_DISTANCE,            /* 1-D: to the next scattering in a medium */
+    DECIDE_ROULETTE,            /* 1-D: go on or end */
+    DECIDE_KINDS = 16           /* room for more, a power of two */
+} DecisionKind;
+
+typedef uint32_t Decision;
+#define DECISION(kind, bounce) ((Decision)(kind) + (Decision)(bounce) * DECIDE_KINDS)
+
+typedef struct Sampler Sampler;
+
+typedef struct {
+    KindInfo info;
+    /* From options. spp: samples a pixel that are planned, which the sampler may round up. False:
+     * reported. NULL: nothing to do. */
+    bool (*init)(Sampler *s, const Opts *o, uint32_t *spp);
+    /* Numbers in [0, 1): multiples of 2^-24. */
+    float (*one)(Sampler *s, Decision d);
+    V2    (*two)(Sampler *s, Decision d);
+} SamplerKind;
+
+/* By value: a copy is an independent sampler of the same pattern. */
+struct Sampler {
+    const SamplerKind *kind;
+    uint64_t seed;
+    uint64_t pixel;             /* key of the pixel and the seed */
+    uint64_t key;               /* key of pixel and sample */
+    uint32_t index;             /* of the sample in its pixel */
+    uint32_t spp;               /* planned samples a pixel */
+    void    *state;             /* the kind's own; NULL for those here */
+};
+
+bool sampler_init(Sampler *s, const SamplerKind *kind, const Opts *o, uint64_t seed, uint32_t *spp);
+void sampler_pixel(Sampler *s, uint32_t x, uint32_t y); /* before the first sample of a pixel */
+void sampler_start(Sampler *s, uint32_t index);         /* before each sample of the pixel */
+
+INLINE float sample_1d(Sampler *s, Decision d) { return s->kind->one(s, d); }
+INLINE V2    sample_2d(Sampler *s, Decision d) { return s->kind->two(s, d); }
+
+extern const SamplerKind *const samplers[];     /* ends with NULL */
+#define SAMPLER_DEFAULT "zerotwo"
+
+#endif

@@ -1,0 +1,250 @@
+/* scene.c -- the scene as a whole: adding, finishing, framing. See scene.h. */
+#include "scene/scene.h"
+
+#include "base/file.h"
+
+#include <string.h>
+
+/* Material 0: what a shape without one has. */
+static bool add_neutral(Scene *s)
+{
+    const BsdfKind *kind = kind_find(bsdfs, "diffuse");
+    Material m;
+    Opts o;
+
+    opts_default(&o, kind->info.options);
+    material_init(&m, kind, &o);
+    m.name = "neutral";
+    return scene_add_material(s, &m, NULL);
+}
+
+Scene *scene_new(void)
+{
+    Scene *s = MEM_NEW(Scene);
+    if (!s)
+        return NULL;
+    if (!scene_add_geometry(s, NULL) || !add_neutral(s)) {
+        scene_free(s);
+        return NULL;
+    }
+    return s;
+}
+
+void scene_free(Scene *s)
+{
+    if (!s)
+        return;
+    for (size_t i = 0; i < s->nlights; i++)
+        if (s->lights[i]->kind->clear)
+            s->lights[i]->kind->clear(s->lights[i]);
+    for (size_t i = 0; s->accels && i < s->ngeometries; i++)
+        accel_free(s->accels[i]);
+    for (size_t i = 0; i < s->ngeometries; i++)
+        geometry_clear(&s->geometries[i]);
+    for (size_t i = 0; i < s->nimages; i++) {
+        image_clear(&s->images[i]->image);
+        mem_free(s->images[i]);
+    }
+    mem_free(s->geometries);
+    mem_free(s->accels);
+    mem_free(s->materials);
+    mem_free(s->lights);
+    mem_free(s->infinite);
+    mem_free(s->images);
+    arena_clear(&s->arena);
+    mem_free(s);
+}
+
+bool scene_add_geometry(Scene *s, uint32_t *index)
+{
+    Geometry empty;
+    memset(&empty, 0, sizeof empty);
+    if (!MEM_PUSH(s->geometries, s->ngeometries, s->cap_geometries, empty))
+        return false;
+    if (index)
+        *index = (uint32_t)s->ngeometries - 1;
+    return true;
+}
+
+bool scene_add_material(Scene *s, const Material *m, uint32_t *index)
+{
+    if (!MEM_PUSH(s->materials, s->nmaterials, s->cap_materials, *m))
+        return false;
+    if (index)
+        *index = (uint32_t)s->nmaterials - 1;
+    return true;
+}
+
+bool scene_add_light(Scene *s, Light *l, uint32_t *index)
+{
+    l->index = (uint32_t)s->nlights;
+    if (!MEM_PUSH(s->lights, s->nlights, s->cap_lights, l)) {
+        if (l->kind->clear)
+            l->kind->clear(l);
+        return false;
+    }
+    if (index)
+        *index = l->index;
+    return true;
+}
+
+const Image *scene_image(Scene *s, const Making *m, const char *name)
+{
+    char *path = path_beside(m->at.file, name);
+    SceneImage *im;
+
+    if (!path)
+        return NULL;
+    for (size_t i = 0; i < s->nimages; i++)
+        if (!strcmp(s->images[i]->path, path)) {
+            mem_free(path);
+            return &s->images[i]->image;
+        }
+    im = MEM_NEW(SceneImage);
+    if (!im || !(im->path = arena_string(&s->arena, path, strlen(path))) ||
+        !image_read(&im->image, im->path, m->max_pixels) ||
+        !MEM_PUSH(s->images, s->nimages, s->cap_images, im)) {
+        if (im)
+            image_clear(&im->image);
+        mem_free(im);
+        mem_free(path);
+        return NULL;
+    }
+    mem_free(path);
+    return &im->image;
+}
+
+/* ---- finishing ---- */
+
+/* Box of a box's corners after a map, and the roundings of the map. */
+static Box map_box(const Affine *m, Box b)
+{
+    Box out = box_empty();
+    V3 e;
+
+    if (box_is_empty(b))
+        return out;
+    for (int i = 0; i < 8; i++)
+        out = box_point(out, affine_point(m, v3(i & 1 ? b.hi.x : b.lo.x, i & 2 ? b.hi.y : b.lo.y,
+                                                i & 4 ? b.hi.z : b.lo.z)));
+    e = v_mad(v_max(v_abs(out.lo), v_abs(out.hi)), ROUNDINGS(8),
+              v_all(ROUNDINGS(8) * v_max3(v_sub(out.hi, out.lo))));
+    return (Box){ v_sub(out.lo, e), v_add(out.hi, e) };
+}
+
+static Box bounds_of(const Geometry *g)
+{
+    Box b = box_empty();
+    for (uint32_t i = 0; i < geometry_prims(g); i++)
+        b = box_join(b, geometry_box(g, i));
+    return b;
+}
+
+static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts *o, int threads)
+{
+    Geometry *g = &s->geometries[k];
+
+    if (!geometry_finish(g))
+        return false;
+    for (size_t i = 0; i < g->nshapes; i++) {
+        Instance *in = &g->shapes[i].as.instance;
+        if (g->shapes[i].kind != SHAPE_INSTANCE)
+            continue;
+        ASSERT(s->accels[in->child] != NULL);
+        in->accel = s->accels[in->child];
+        in->bounds = map_box(&in->to_world, bounds_of(in->accel->geo));
+    }
+    s->accels[k] = kind->build(g, o, threads);
+    if (!s->accels[k])
+        return false;
+    s->accels[k]->kind = kind;
+    return true;
+}
+
+/* The world's sphere: of its box; a scene without shapes gets one of radius 1, so that powers of
+ * infinite lights are not 0. */
+static void set_bounds(Scene *s)
+{
+    s->bounds = bounds_of(&s->geometries[0]);
+    s->centre = v_all(0.0f);
+    s->radius = 1.0f;
+    if (!box_is_empty(s->bounds)) {
+        s->centre = box_centre(s->bounds);
+        s->radius = v_len(v_sub(s->bounds.hi, s->centre));
+    }
+}
+
+static bool prepare_lights(Scene *s)
+{
+    s->infinite = MEM_ARRAY(const Light *, s->nlights);
+    if (!s->infinite)
+        return false;
+    for (size_t i = 0; i < s->nlights; i++) {
+        Light *l = s->lights[i];
+        if (l->kind->prepare && !l->kind->prepare(l, s))
+            return false;
+        if (l->kind->infinite)
+            s->infinite[s->ninfinite++] = l;
+    }
+    return true;
+}
+
+/* Objects before the world: an object can hold instances only of objects that came before it. */
+bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
+{
+    s->accels = MEM_ARRAY(Accel *, s->ngeometries);
+    if (!s->accels)
+        return false;
+    for (size_t k = 1; k < s->ngeometries; k++)
+        if (!build_geometry(s, k, kind, o, threads))
+            return false;
+    if (!build_geometry(s, 0, kind, o, threads))
+        return false;
+    s->accel = s->accels[0];
+    set_bounds(s);
+    return prepare_lights(s);
+}
+
+/* ---- framing a bare mesh ---- */
+
+/* Where the eye stands, seen from the middle of the mesh: before it, a little to the right and
+ * above (y is up, as in the scanned meshes that people have). */
+static const V3 EYE = { 0.35f, 0.3f, 0.89f };
+#define FRAME_FOV 30.0              /* degrees: a short telephoto, little distortion */
+
+bool scene_frame(Scene *s, float aspect)
+{
+    Making m;
+    const CameraKind *ck = kind_find(cameras, "perspective");
+    const LightKind *lk = kind_find(lights, "infinite");
+    Transform view;
+    Light *sky;
+    Opts o;
+    V3 e = v_unit(EYE);
+    float dist;
+
+    memset(&m, 0, sizeof m);
+    m.scene = s;
+    if (!geometry_finish(&s->geometries[0]))
+        return false;
+    set_bounds(s);
+    (void)aspect;                   /* the field of view is across the shorter side */
+    dist = s->radius / (float)md_sin(FRAME_FOV / 2 * PI / 180);
+    if (!xf_look_at(&view, v_mad(e, dist, s->centre), s->centre, v3(0, 1, 0)))
+        view = xf_identity();       /* a mesh without extent, or beyond the range of floats */
+    m.to_world = xf_inverse(&view);
+    opts_default(&o, ck->info.options);
+    for (int i = 0; o.defs[i].key; i++)
+        if (!strcmp(o.defs[i].key, "fov"))
+            o.value[i].num = FRAME_FOV;
+    s->camera = ck->make(&m, &o);
+    if (!s->camera)
+        return false;
+    s->camera->kind = ck;
+    m.to_world = xf_rotate(-90, 1, 0, 0);       /* the sky's pole is z; here up is y */
+    sky = light_studio(&m);
+    if (!sky)
+        return false;
+    sky->kind = lk;
+    return scene_add_light(s, sky, NULL);
+}
