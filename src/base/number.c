@@ -95,7 +95,7 @@ static uint64_t assemble(uint64_t q, int e, bool more, const Format *f)
 
 enum {
     DIGITS = 800,               /* decimal digits taken */
-    LOWEST = -345,              /* 10^LOWEST is below half of the least double */
+    LOWEST = -323,              /* 10^(LOWEST - 1) is below half of the least double */
     HIGHEST = 310,              /* 10^(HIGHEST - 1) is above the largest double */
     /* 5^(DIGITS - LOWEST) and the DIGITS-digit integer have 2660 bits at most, scaling adds 60 and
      * 31, one limb is room for a carry. */
@@ -382,20 +382,18 @@ static float decimal_float(const Decimal *d)
 /* inf, infinity or nan with a sign, in any case. */
 static size_t scan_special(const char *s, const char *end, double *v)
 {
-    static const struct { const char *name; double value; } NAMES[] = {
-        { "infinity", INFINITY }, { "inf", INFINITY }, { "nan", NAN }
-    };
+    static const char *const NAMES[] = { "infinity", "inf", "nan" };
     const char *p = s;
     bool negative = p < end && *p == '-';
 
     p += p < end && (*p == '-' || *p == '+');
     for (int k = 0; k < 3; k++) {
-        const char *name = NAMES[k].name;
+        const char *name = NAMES[k];
         size_t n = 0;
         while (name[n] && p + n < end && (p[n] == name[n] || p[n] == name[n] - 'a' + 'A'))
             n++;
         if (!name[n]) {
-            *v = negative ? -NAMES[k].value : NAMES[k].value;
+            *v = k == 2 ? NAN : negative ? -INFINITY : INFINITY;
             return (size_t)(p - s) + n;
         }
     }
@@ -476,7 +474,8 @@ static uint64_t scaled(double v, int k)
 
     if (k >= -22 && k <= 22) {
         double x = k < 0 ? v / TEN[-k] : v * TEN[k], whole = floor(x);
-        if (x < 0x1p52 && fabs(x - whole - 0.5) > x * 0x1p-52)     /* x errs by x * 2^-53 */
+        /* Below 2^52 the middles are doubles, so x lies on the right side of them, or on one. */
+        if (x < 0x1p52 && x - whole != 0.5)
             return (uint64_t)whole + (x - whole > 0.5);
     }
     if (v == 0.0)
