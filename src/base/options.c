@@ -277,6 +277,14 @@ const char *opt_string(const Opts *o, const char *key) { return value_of(o, key)
 bool        opt_given(const Opts *o, const char *key) { return value_of(o, key)->given; }
 const Param *opt_param(const Opts *o, const char *key) { return value_of(o, key)->param; }
 
+void opt_set_number(Opts *o, const char *key, double v)
+{
+    int i = index_of(o->defs, key, strlen(key));
+    ASSERT(i >= 0);
+    o->value[i].num = v;
+    o->value[i].rgb = rgb_all((float)v);
+}
+
 V3 opt_point(const Opts *o, const char *key)
 {
     Rgb c = value_of(o, key)->rgb;

@@ -29,7 +29,7 @@ static void *worker_main(void *arg)
         q->work->run(q->work->ctx, unit, me->worker);
         pthread_mutex_lock(&q->lock);
         q->done++;
-        if (q->work->after && !q->work->after(q->work->ctx, q->done))
+        if (q->work->after && !q->work->after(q->work->ctx, q->done, me->worker))
             q->stop = true;
     }
     pthread_mutex_unlock(&q->lock);

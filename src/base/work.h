@@ -11,9 +11,9 @@ enum { WORKERS_MAX = 256 };
 typedef struct {
     uint64_t units;                                         /* numbered 0 .. units-1 */
     void (*run)(void *ctx, uint64_t unit, int worker);      /* worker: 0 .. threads-1 */
-    /* Called after each unit under the queue's mutex with the count done so far; false: give out
-     * no more units. NULL: always go on. */
-    bool (*after)(void *ctx, uint64_t done);
+    /* Called by the same thread after each unit, under the queue's mutex, with the count done so
+     * far; false: give out no more units. NULL: always go on. */
+    bool (*after)(void *ctx, uint64_t done, int worker);
     void *ctx;
 } Work;
 

@@ -212,39 +212,42 @@ bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
 static const V3 EYE = { 0.35f, 0.3f, 0.89f };
 #define FRAME_FOV 30.0              /* degrees: a short telephoto, little distortion */
 
-bool scene_frame(Scene *s, float aspect)
+bool scene_frame_camera(Scene *s)
 {
-    Making m;
-    const CameraKind *ck = kind_find(cameras, "perspective");
-    const LightKind *lk = kind_find(lights, "infinite");
+    const CameraKind *kind = kind_find(cameras, "perspective");
     Transform view;
-    Light *sky;
+    Making m;
     Opts o;
-    V3 e = v_unit(EYE);
     float dist;
 
-    memset(&m, 0, sizeof m);
-    m.scene = s;
     if (!geometry_finish(&s->geometries[0]))
         return false;
     set_bounds(s);
-    (void)aspect;                   /* the field of view is across the shorter side */
     dist = s->radius / (float)md_sin(FRAME_FOV / 2 * PI / 180);
-    if (!xf_look_at(&view, v_mad(e, dist, s->centre), s->centre, v3(0, 1, 0)))
+    if (!xf_look_at(&view, v_mad(v_unit(EYE), dist, s->centre), s->centre, v3(0, 1, 0)))
         view = xf_identity();       /* a mesh without extent, or beyond the range of floats */
+    memset(&m, 0, sizeof m);
+    m.scene = s;
     m.to_world = xf_inverse(&view);
-    opts_default(&o, ck->info.options);
-    for (int i = 0; o.defs[i].key; i++)
-        if (!strcmp(o.defs[i].key, "fov"))
-            o.value[i].num = FRAME_FOV;
-    s->camera = ck->make(&m, &o);
-    if (!s->camera)
-        return false;
-    s->camera->kind = ck;
+    opts_default(&o, kind->info.options);
+    opt_set_number(&o, "fov", FRAME_FOV);
+    s->camera = kind->make(&m, &o);
+    if (s->camera)
+        s->camera->kind = kind;
+    return s->camera != NULL;
+}
+
+bool scene_frame(Scene *s)
+{
+    Making m;
+    Light *sky;
+
+    memset(&m, 0, sizeof m);
+    m.scene = s;
     m.to_world = xf_rotate(-90, 1, 0, 0);       /* the sky's pole is z; here up is y */
-    sky = light_studio(&m);
+    sky = scene_frame_camera(s) ? light_studio(&m) : NULL;
     if (!sky)
         return false;
-    sky->kind = lk;
+    sky->kind = kind_find(lights, "infinite");
     return scene_add_light(s, sky, NULL);
 }

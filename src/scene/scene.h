@@ -155,7 +155,8 @@ static inline const Light *scene_light_of(const Scene *s, const Surface *hit)
 {
     return hit->shape->light == NO_LIGHT ? NULL : s->lights[hit->shape->light];
 }
-/* Adds a camera that frames the world and a sky, where the input brought none (bare meshes). */
-bool   scene_frame(Scene *s, float aspect);
+/* Where the input brought none: a camera that frames the world; for bare meshes a sky as well. */
+bool   scene_frame_camera(Scene *s);
+bool   scene_frame(Scene *s);
 
 #endif

@@ -1,0 +1,297 @@
+/* cmd_render.c -- the command `render`: the main job. */
+#include "base/clock.h"
+#include "base/number.h"
+#include "base/work.h"
+#include "cli/args.h"
+#include "render/render.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    ARG_OUTPUT, ARG_INTEGRATOR, ARG_ACCEL, ARG_SAMPLER, ARG_FILTER, ARG_SPP, ARG_TIME, ARG_ERROR,
+    ARG_SIZE, ARG_CROP, ARG_THREADS, ARG_SEED, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_QUIET,
+    ARG_STRICT, ARG_MAX_PIXELS, ARG_MAX_MEMORY, ARG_MAX_INCLUDE, ARG_MAX_FILE
+};
+
+static const ArgDef args[] = {
+    { "-o", "FILE", "picture to write; the extension picks the format; may be given again" },
+    { "--integrator", "NAME[:KEY=VALUE,...]", "how light travels; see list integrators" },
+    { "--accel", "NAME[:KEY=VALUE,...]", "structure for rays; see list accelerators" },
+    { "--sampler", "NAME[:KEY=VALUE,...]", "where samples go; see list samplers" },
+    { "--filter", "NAME[:KEY=VALUE,...]", "pixel filter; see list filters" },
+    { "--spp", "N", "samples a pixel" },
+    { "--time", "SECONDS", "of rendering, instead of a sample count" },
+    { "--error", "X", "stop at this estimated sigma/mu" },
+    { "--size", "WxH", "of the picture, pixels" },
+    { "--crop", "X0,Y0,X1,Y1", "render this window only (half open)" },
+    { "--threads", "N", "default: all processors" },
+    { "--seed", "N", "of the random numbers; default 0" },
+    { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME" },
+    { "--tonemap", "NAME", "for display formats; see list tonemaps" },
+    { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
+    { "--quiet", NULL, "no progress, no summary" },
+    { "--strict", NULL, "warnings are errors" },
+    { "--max-pixels", "N", "of any image; default 268435456" },
+    { "--max-memory", "MIB", "held at once; default: no limit" },
+    { "--max-include", "N", "depth of Include; default 64" },
+    { "--max-file", "MIB", "size of one input file; default 8192" },
+    { NULL, NULL, NULL }
+};
+
+typedef struct {
+    const char *scene;
+    const char *outputs[OUTPUTS_MAX];
+    int noutputs;
+    RenderRequest request;
+    ReadLimits limits;
+    Display display;
+} Line;
+
+static bool set_aov(Line *l, const char *value)
+{
+    if (l->request.naovs == AOVS_MAX)
+        return err_usage("at most %d --aov are possible", AOVS_MAX);
+    l->request.aovs[l->request.naovs++] = value;
+    return true;
+}
+
+static bool set_output(Line *l, const char *value)
+{
+    if (l->noutputs == OUTPUTS_MAX)
+        return err_usage("at most %d -o are possible", OUTPUTS_MAX);
+    l->outputs[l->noutputs++] = value;
+    return image_format_for_writing(value) != NULL;
+}
+
+static bool set_number(Line *l, int k, const char *value)
+{
+    RenderRequest *q = &l->request;
+    const char *name = args[k].name;
+    int64_t n = 0;
+    double x = 0;
+    bool ok = true;
+
+    switch (k) {
+    case ARG_SPP:         ok = arg_int(name, value, 1, UINT32_MAX, &n); q->spp = (uint32_t)n; break;
+    case ARG_TIME:        ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
+    case ARG_ERROR:       ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
+    case ARG_THREADS:     ok = arg_int(name, value, 1, WORKERS_MAX, &n); q->threads = (int)n; break;
+    case ARG_SEED:        ok = arg_int(name, value, 0, INT64_MAX, &n); q->seed = (uint64_t)n;
+                          q->seed_given = true; break;
+    case ARG_EXPOSURE:    ok = arg_number(name, value, -100, 100, &x);
+                          l->display.exposure = (float)x; break;
+    case ARG_MAX_PIXELS:  ok = arg_int(name, value, 1, (int64_t)1 << 40, &n);
+                          l->limits.max_pixels = (uint64_t)n; break;
+    case ARG_MAX_MEMORY:  ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
+                          mem_limit((size_t)n << 20); break;
+    case ARG_MAX_INCLUDE: ok = arg_int(name, value, 1, 10000, &n);
+                          l->limits.max_include = (int)n; break;
+    case ARG_MAX_FILE:    ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
+                          l->limits.max_file = (uint64_t)n << 20; break;
+    default: break;
+    }
+    return ok;
+}
+
+static bool set(void *ctx, int k, const char *value)
+{
+    Line *l = ctx;
+    RenderRequest *q = &l->request;
+
+    switch (k) {
+    case -1:
+        if (l->scene)
+            return err_usage("render takes one scene, got '%s' and '%s'", l->scene, value);
+        l->scene = value;
+        return true;
+    case ARG_OUTPUT:     return set_output(l, value);
+    case ARG_INTEGRATOR: q->integrator = value; return true;
+    case ARG_ACCEL:      q->accel = value; return true;
+    case ARG_SAMPLER:    q->sampler = value; return true;
+    case ARG_FILTER:     q->filter = value; return true;
+    case ARG_SIZE:       return arg_size("--size", value, &q->w, &q->h);
+    case ARG_CROP:       q->crop_given = true; return arg_window("--crop", value, q->crop);
+    case ARG_AOV:        return set_aov(l, value);
+    case ARG_TONEMAP:
+        l->display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
+        return l->display.tonemap != NULL;
+    case ARG_QUIET:      messages_quiet(true); return true;
+    case ARG_STRICT:     warnings_fatal(true); return true;
+    default:             return set_number(l, k, value);
+    }
+}
+
+/* ---- interrupts: the flag is all that a handler may touch ---- */
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int sig)
+{
+    (void)sig;
+    if (interrupted)
+        _exit(STATUS_INTERRUPTED);              /* asked twice: at once */
+    interrupted = 1;
+}
+
+static void catch_signals(void)
+{
+    struct sigaction a;
+    memset(&a, 0, sizeof a);
+    a.sa_handler = on_signal;
+    sigaction(SIGINT, &a, NULL);
+    sigaction(SIGTERM, &a, NULL);
+    a.sa_handler = SIG_IGN;                     /* a closed pipe is an error of writing */
+    sigaction(SIGPIPE, &a, NULL);
+}
+
+/* ---- output ---- */
+
+static bool write_layer(const Film *f, int layer, const Aov *aov, const char *path,
+                        const Display *display)
+{
+    const ImageFormat *format = image_format_for_writing(path);
+    Image im;
+    bool ok;
+
+    if (!format || !image_init(&im, f->w, f->h))
+        return false;
+    film_picture(f, layer, &im);
+    if (aov && !format->linear)
+        aov_display(aov, &im);
+    ok = format->write(&im, path, display);
+    image_clear(&im);
+    return ok;
+}
+
+static bool write_all(const Film *f, const Line *l, const RenderSettings *s)
+{
+    bool ok = true;
+    for (int i = 0; i < l->noutputs; i++)
+        ok = write_layer(f, 0, NULL, l->outputs[i], &l->display) && ok;
+    for (int i = 0; i < s->naovs; i++)
+        ok = write_layer(f, 1 + i, &s->aovs[i], s->aovs[i].file, &l->display) && ok;
+    return ok;
+}
+
+static void summary(const RenderReport *r, const Film *f, const Line *l)
+{
+    char t[32], e[NUMBER_MAX];
+    double error = film_error(f);
+
+    number_print_fixed(e, error, 4);
+    note("%s%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
+         "estimated sigma/mu %s", l->noutputs ? l->outputs[0] : "", l->noutputs ? "" : "picture",
+         r->interrupted ? " (interrupted)" : "", (double)r->samples / ((double)f->w * f->h),
+         clock_text(t, sizeof t, r->seconds),
+         r->seconds > 0 ? (double)r->rays * 1e-6 / r->seconds : 0,
+         r->cpu_seconds > 0 ? (double)r->samples * 1e-6 / r->cpu_seconds : 0,
+         error < INFINITY ? e : "unknown");
+}
+
+/* ---- the job ---- */
+
+/* Where the picture goes if the command line does not say: the scene's own name for it if we can
+ * write that, else the scene's name with .png. Beside the current folder, as people expect. */
+static bool choose_output(Line *l, SceneFile *f)
+{
+    const char *name = settings_filename(f), *base = strrchr(l->scene, '/');
+    size_t n;
+    char *made;
+
+    if (l->noutputs)
+        return true;
+    if (name) {
+        const char *ext = path_extension(name);
+        for (int i = 0; image_formats[i]; i++)
+            if (image_formats[i]->write && !strcmp(image_formats[i]->info.name, ext)) {
+                l->outputs[l->noutputs++] = name;
+                return true;
+            }
+    } else
+        name = base ? base + 1 : l->scene;
+    n = strlen(name) - strlen(path_extension(name));
+    if (n && name[n - 1] == '.')
+        n--;
+    made = arena_take(&f->arena, n + 5, 1);
+    if (!made)
+        return false;
+    memcpy(made, name, n);
+    memcpy(made + n, ".png", 5);
+    l->outputs[l->noutputs++] = made;
+    return true;
+}
+
+static bool ensure_camera(SceneFile *f)
+{
+    Scene *scene = f->scene;
+
+    if (f->bare)
+        return scene_frame(scene);
+    if (scene->camera)
+        return true;
+    return warn_at((Place){ NULL, 0, 0 }, "the scene has no camera; one that frames it is used") &&
+           scene_frame_camera(scene);
+}
+
+static bool render_scene(Line *l, SceneFile *f, int *status)
+{
+    RenderSettings s;
+    RenderReport report;
+    Film film;
+    double start = clock_wall();
+    char t[32];
+    bool ok;
+
+    if (!settings_resolve(&s, &l->request, f) || !ensure_camera(f) || !choose_output(l, f))
+        return false;
+    s.stop = &interrupted;
+    if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
+        return false;
+    note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
+         (unsigned long)geometry_prims(f->scene->accel->geo), (unsigned long)f->scene->nlights,
+         clock_text(t, sizeof t, clock_wall() - start), (double)mem_bytes() / 1048576.0);
+    if (!render(f->scene, &s, &film, &report))
+        return false;
+    ok = write_all(&film, l, &s);
+    if (ok)
+        summary(&report, &film, l);
+    if (report.interrupted)
+        *status = STATUS_INTERRUPTED;
+    film_clear(&film);
+    return ok;
+}
+
+static int run(int argc, char **argv);
+
+const Command command_render = {
+    "render", "SCENE [-o FILE] [options]", "renders a scene (.pbrt, .obj, .ply) to a picture", args,
+    run
+};
+
+static int run(int argc, char **argv)
+{
+    Line l = { 0 };
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    SceneFile f;
+    int status = STATUS_OK;
+    bool ok;
+
+    l.limits = limits;
+    l.request.threads = processors();
+    interrupted = 0;
+    if (!args_parse(&command_render, argc, argv, set, &l))
+        return failed_status();
+    if (!l.scene) {
+        err_usage("render takes a scene (.pbrt, .obj or .ply); see rushlight help render");
+        return STATUS_USAGE;
+    }
+    l.request.max_pixels = l.limits.max_pixels;
+    catch_signals();
+    if (!scenefile_read(&f, l.scene, &l.limits))
+        return failed_status();
+    ok = render_scene(&l, &f, &status);
+    scenefile_clear(&f);
+    return ok && err_status() == STATUS_OK ? status : failed_status();
+}

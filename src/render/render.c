@@ -1,0 +1,255 @@
+/* render.c -- the driver. See render.h.
+ *
+ * Time is cut into passes and passes into units that threads take from a queue. For integrators
+ * that give radiance along a ray, a unit is a tile of pixels and a pass some samples of each; the
+ * others say themselves what their units are. Order cannot matter: random numbers come from the
+ * pixel and the sample's index, and the film's sums are exact. Budgets are looked at after every
+ * unit, so an interrupt or a limit of time leaves a whole picture, some of whose tiles have had a
+ * pass more than others. */
+#include "render/render.h"
+
+#include "base/clock.h"
+#include "base/progress.h"
+#include "base/work.h"
+
+#include <string.h>
+
+enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
+
+typedef struct {
+    const RenderSettings *settings;
+    const Scene *scene;
+    Integrator  *integrator;
+    Film        *film;
+    V2           radius;                /* of the filter */
+    Tracer      *tracers;               /* one a worker */
+    Tally       *tallies;               /* one a worker; NULL: not wanted */
+    uint32_t     first, count;          /* samples of this pass */
+    uint32_t     pass;
+    int          phase;
+    uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
+    uint64_t    *rays_seen;             /* of each worker, in `rays` already */
+    Progress     progress;
+    double       start;
+    bool         ended;                 /* a budget or an interrupt ended it early */
+} Job;
+
+/* ---- units of camera samples ---- */
+
+static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t index)
+{
+    const RenderSettings *s = j->settings;
+    const Camera *c = j->scene->camera;
+    Rgb values[1 + AOVS_MAX];
+    V2 off;
+    Ray r;
+
+    sampler_start(&t->sampler, index);
+    off = s->filter->sample(sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), j->radius);
+    r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y },
+                     sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0)));
+    if (t->tally)
+        memset(t->tally, 0, sizeof *t->tally);
+    values[0] = j->integrator->kind->radiance(j->integrator, &r, t);
+    if (s->naovs)
+        aov_values(s->aovs, s->naovs, &r, t, values + 1);
+    film_add(j->film, x, y, index, values);
+}
+
+static void camera_tile(Job *j, Tracer *t, uint32_t tile)
+{
+    uint32_t x0, y0, x1, y1;
+
+    film_tile(j->film, tile, &x0, &y0, &x1, &y1);
+    for (uint32_t y = y0; y < y1; y++)
+        for (uint32_t x = x0; x < x1; x++) {
+            sampler_pixel(&t->sampler, x, y);
+            for (uint32_t i = 0; i < j->count; i++)
+                camera_sample(j, t, x, y, j->first + i);
+        }
+}
+
+/* ---- the queue's side ---- */
+
+static void run_unit(void *ctx, uint64_t unit, int worker)
+{
+    Job *j = ctx;
+    Tracer *t = &j->tracers[worker];
+
+    if (j->integrator->kind->radiance)
+        camera_tile(j, t, (uint32_t)unit);
+    else
+        j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
+}
+
+/* How far the whole render is, by the budget that is nearest to its end. */
+static double fraction_done(const Job *j, double pass_done)
+{
+    const RenderSettings *s = j->settings;
+    double f = 0, g;
+
+    if (s->spp)
+        f = (j->first + j->count * pass_done) / s->spp;
+    if (s->seconds > 0) {
+        g = (clock_wall() - j->start) / s->seconds;
+        f = g > f ? g : f;
+    }
+    return f < 1 ? f : 1;
+}
+
+static bool after_unit(void *ctx, uint64_t done, int worker)
+{
+    Job *j = ctx;
+    const RenderSettings *s = j->settings;
+    double pass_done = (double)done / (double)j->phase_units;
+
+    j->rays += j->tracers[worker].rays - j->rays_seen[worker];
+    j->rays_seen[worker] = j->tracers[worker].rays;
+    progress_show(&j->progress, fraction_done(j, pass_done), j->first + j->count * pass_done,
+                  j->rays);
+    if ((s->stop && *s->stop) || (s->seconds > 0 && clock_wall() - j->start >= s->seconds))
+        j->ended = true;
+    return !j->ended;
+}
+
+static void run_phase(Job *j)
+{
+    Work w = { 0, run_unit, after_unit, NULL };
+
+    w.ctx = j;
+    w.units = j->integrator->kind->radiance
+                  ? film_ntiles(j->film)
+                  : j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
+    j->phase_units = w.units;
+    work_run(&w, j->settings->threads);
+}
+
+/* Samples of the next pass: few at first, for an early picture, then twice as many as before. */
+static uint32_t next_count(const Job *j)
+{
+    uint32_t n = j->pass == 0 ? 1 : j->first < PASS_MOST ? j->first : PASS_MOST;
+    uint32_t spp = j->settings->spp ? j->settings->spp : UINT32_MAX;
+    return n < spp - j->first ? n : spp - j->first;
+}
+
+static void run_passes(Job *j)
+{
+    const RenderSettings *s = j->settings;
+    int phases = j->integrator->kind->radiance ? 1 : j->integrator->kind->phases;
+
+    while (!j->ended && (s->spp == 0 || j->first < s->spp)) {
+        j->count = next_count(j);
+        for (j->phase = 0; j->phase < phases && !j->ended; j->phase++)
+            run_phase(j);
+        j->first += j->count;
+        j->pass++;
+        if (s->error > 0 && film_error(j->film) <= s->error)
+            break;
+        if (j->first == UINT32_MAX)
+            break;
+    }
+}
+
+/* ---- setting up ---- */
+
+static bool job_init(Job *j, uint32_t *spp)
+{
+    const RenderSettings *s = j->settings;
+    int n = s->threads;
+
+    j->tracers = MEM_ARRAY(Tracer, n);
+    j->rays_seen = MEM_ARRAY(uint64_t, n);
+    if (!j->tracers || !j->rays_seen)
+        return false;
+    if (aov_needs_tally(s->aovs, s->naovs)) {
+        j->tallies = MEM_ARRAY(Tally, n);
+        if (!j->tallies)
+            return false;
+    }
+    for (int i = 0; i < n; i++) {
+        j->tracers[i].scene = j->scene;
+        j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
+        if (!sampler_init(&j->tracers[i].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
+            return false;
+    }
+    j->radius.x = opt_float(&s->filter_opts, "xradius");
+    j->radius.y = opt_float(&s->filter_opts, "yradius");
+    if (j->radius.x == 0.0f)
+        j->radius.x = s->filter->radius.x;
+    if (j->radius.y == 0.0f)
+        j->radius.y = s->filter->radius.y;
+    j->integrator = s->integrator->open(j->scene, &s->integrator_opts);
+    if (!j->integrator)
+        return false;
+    j->integrator->kind = s->integrator;
+    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs);
+}
+
+static void job_clear(Job *j)
+{
+    if (j->integrator)
+        j->integrator->kind->close(j->integrator);
+    mem_free(j->tracers);
+    mem_free(j->tallies);
+    mem_free(j->rays_seen);
+}
+
+/* A light that gives nothing, or none at all, is no error, but worth a word. */
+static void warn_if_dark(const Scene *s, const RenderSettings *settings)
+{
+    float sum = 0.0f;
+
+    if (!strcmp(settings->integrator->info.name, "ao"))
+        return;
+    for (size_t i = 0; i < s->nlights; i++)
+        sum += rgb_lum(s->lights[i]->kind->power(s->lights[i]));
+    if (!(sum > 0.0f))
+        warn_at((Place){ NULL, 0, 0 }, s->nlights ? "the lights have no power: the picture is black"
+                                                  : "there is no light: the picture is black");
+}
+
+static bool report_refused(const Film *f)
+{
+    uint32_t x = 0, y = 0, index = 0;
+    uint64_t n = film_refused(f, &x, &y, &index);
+
+    return !n || warn_at((Place){ NULL, 0, 0 },
+                         "%.0f samples were not finite or too large and count as black; the first: "
+                         "pixel %lu,%lu, sample %lu", (double)n, (unsigned long)x, (unsigned long)y,
+                         (unsigned long)index);
+}
+
+bool render(const Scene *scene, const RenderSettings *settings, Film *film, RenderReport *report)
+{
+    RenderSettings s = *settings;
+    double cpu;
+    Job j;
+    bool ok;
+
+    memset(&j, 0, sizeof j);
+    memset(film, 0, sizeof *film);
+    memset(report, 0, sizeof *report);
+    j.settings = &s;
+    j.scene = scene;
+    j.film = film;
+    scene->camera->kind->film(scene->camera, s.w, s.h);
+    ok = job_init(&j, &s.spp);
+    if (ok) {
+        warn_if_dark(scene, &s);
+        progress_start(&j.progress);
+        cpu = clock_cpu();
+        j.start = clock_wall();
+        run_passes(&j);
+        report->seconds = clock_wall() - j.start;
+        report->cpu_seconds = clock_cpu() - cpu;
+        progress_end(&j.progress);
+        report->samples = film_samples(film);
+        report->rays = j.rays;
+        report->interrupted = s.stop && *s.stop;
+        ok = report_refused(film);
+    }
+    job_clear(&j);
+    if (!ok)
+        film_clear(film);
+    return ok;
+}

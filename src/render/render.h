@@ -1,0 +1,79 @@
+/* render.h -- the driver: it owns threads, budgets, film and progress, and runs an integrator's
+ * units of work. What it makes depends on scene, settings and seed alone, not on threads. */
+#ifndef RENDER_RENDER_H
+#define RENDER_RENDER_H
+
+#include "image/filter.h"
+#include "integrators/integrator.h"
+#include "scenefile/scenefile.h"
+
+#include <signal.h>
+
+/* ---- extra pictures of one render ---- */
+
+typedef enum { AOV_NORMAL, AOV_DEPTH, AOV_ALBEDO, AOV_LENGTH, AOV_STRATEGY } AovKind;
+typedef struct {
+    AovKind kind;
+    int     which;              /* LENGTH: edges; STRATEGY: which */
+    const char *file;           /* borrowed */
+} Aov;
+
+/* From "normal=FILE", "depth=FILE", "albedo=FILE", "length:N=FILE", "strategy:NAME=FILE". `text`
+ * is borrowed for the file's name. False: usage error reported. */
+bool aov_parse(Aov *a, const char *text);
+bool aov_needs_tally(const Aov *a, int n);
+bool aov_needs_hit(const Aov *a, int n);
+/* Values of n pictures for one camera sample. */
+void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values);
+/* Turns a picture into what a display format can show (normals to colours, depths to greys). */
+void aov_display(const Aov *a, Image *im);
+
+/* ---- settings ---- */
+
+enum { OUTPUTS_MAX = 8, AOVS_MAX = 16 };
+
+typedef struct {
+    const IntegratorKind *integrator;   Opts integrator_opts;
+    const SamplerKind    *sampler;      Opts sampler_opts;
+    const FilterKind     *filter;       Opts filter_opts;
+    const AccelKind      *accel;        Opts accel_opts;
+    uint32_t w, h, crop[4];             /* picture; window x0 y0 x1 y1, half open */
+    uint32_t spp;                       /* samples a pixel; 0: until another budget ends it */
+    double   seconds;                   /* of rendering; 0: no limit */
+    double   error;                     /* stop at this estimated sigma/mu; 0: do not */
+    int      threads;
+    uint64_t seed;
+    Aov      aovs[AOVS_MAX];
+    int      naovs;
+    const volatile sig_atomic_t *stop;  /* nonzero: end soon; NULL: nobody asks */
+} RenderSettings;
+
+/* What the command line asked for, as text; NULL or 0 where it said nothing. */
+typedef struct {
+    const char *integrator, *sampler, *filter, *accel;
+    const char *aovs[AOVS_MAX];
+    int      naovs;
+    uint32_t w, h, crop[4];
+    bool     crop_given, seed_given;
+    uint32_t spp;
+    double   seconds, error;
+    int      threads;
+    uint64_t seed, max_pixels;
+} RenderRequest;
+
+/* Command line before scene file before defaults. Fills the camera's film size. False: reported. */
+bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f);
+/* The file name that the scene gives for its picture, or NULL. Borrowed from f. */
+const char *settings_filename(const SceneFile *f);
+
+typedef struct {
+    double   seconds, cpu_seconds;      /* of rendering alone */
+    uint64_t samples, rays;
+    bool     interrupted;
+} RenderReport;
+
+/* Renders into *film, which it makes (layer 0: the picture; 1 + k: aov k). The scene must be
+ * built. False: reported, *film empty. */
+bool render(const Scene *scene, const RenderSettings *s, Film *film, RenderReport *report);
+
+#endif
