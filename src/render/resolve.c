@@ -1,4 +1,4 @@
-/* settings.c -- what to render and how: the command line's word, else the scene file's, else the
+/* resolve.c -- what to render and how: the command line's word, else the scene file's, else the
  * default. Names that this program does not have get a warning and a stand-in. See render.h. */
 #include "render/render.h"
 
