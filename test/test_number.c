@@ -56,7 +56,8 @@ static void expect_parse(const char *text, size_t took, double want)
 static void grammar(void)
 {
     const struct { const char *text; int took; double v; } CASES[] = {
-        { "", 0, 0 }, { "+", 0, 0 }, { "-", 0, 0 }, { ".", 0, 0 }, { "-.", 0, 0 }, { "+.e1", 0, 0 },
+        { "", 0, 0 }, { "+", 0, 0 }, { "-", 0, 0 }, { ".", 0, 0 }, { "-.", 0, 0 },
+        { "+.e1", 0, 0 },
         { "e5", 0, 0 }, { "E", 0, 0 }, { "--1", 0, 0 }, { "+-1", 0, 0 }, { " 1", 0, 0 },
         { "\t", 0, 0 }, { "x", 0, 0 }, { "in", 0, 0 }, { "na", 0, 0 }, { "-i", 0, 0 },
         { "\xb1", 0, 0 }, { "/", 0, 0 }, { ":", 0, 0 }, { "+\xff", 0, 0 },
@@ -78,7 +79,8 @@ static void grammar(void)
         { "100000000000000000000000000000000e-32", 37, 1.0 },
         { "9007199254740993", 16, 9007199254740992.0 },
         { "9007199254740993.00000000000000000000000001", 43, 9007199254740994.0 },
-        { "2.2250738585072012e-308", 23, 0x1p-1022 }, { "2.2250738585072011e-308", 23, 0x0.fffffffffffffp-1022 },
+        { "2.2250738585072012e-308", 23, 0x1p-1022 },
+        { "2.2250738585072011e-308", 23, 0x0.fffffffffffffp-1022 },
         { "4.9e-324", 8, 0x1p-1074 }, { "2.4703282292062327e-324", 23, 0.0 },
         { "2.4703282292062328e-324", 23, 0x1p-1074 },
         { "1.7976931348623157e308", 22, 0x1.fffffffffffffp1023 },
@@ -305,14 +307,15 @@ static void library(void)
     char text[1000];
 
     for (int i = 0; i < 300000; i++) {
-        int n = 1 + (int)rng_below(&r, i % 256 ? 24 : 900), point = (int)rng_below(&r, (uint32_t)n + 1);
+        int n = 1 + (int)rng_below(&r, i % 256 ? 24 : 900);
+        int point = (int)rng_below(&r, (uint32_t)n + 1);
         char *p = text;
         if (rng_below(&r, 4) == 0)
             *p++ = '-';
         for (int k = 0; k < n; k++) {
             if (k == point)
                 *p++ = '.';
-            *p++ = (char)('0' + rng_below(&r, 10) * (rng_below(&r, 3) > 0));
+            *p++ = (char)(rng_below(&r, 3) ? '0' + rng_below(&r, 10) : '0');
         }
         *p = 0;
         if (rng_below(&r, 3))
@@ -390,7 +393,7 @@ static void powers_of_2(void)
                 number_print_double(text, v);
             n = significant(text, digits);
             expect_shortest(v, is_float);
-            EXPECT(n == 1 || !can_do_with(v, n - 1, is_float), "%a: %s is not the shortest", v, text);
+            EXPECT(n == 1 || !can_do_with(v, n - 1, is_float), "%a: %s is not shortest", v, text);
         }
     }
 }
@@ -415,7 +418,8 @@ static void forms(void)
 {
     const struct { double v; const char *text; } D[] = {
         { 0.0, "0" }, { -0.0, "-0" }, { 1, "1" }, { -1.5, "-1.5" }, { 100, "100" }, { 0.1, "0.1" },
-        { 1e15, "1000000000000000" }, { 1e16, "1e16" }, { 12345678901234567.0, "1.2345678901234568e16" },
+        { 1e15, "1000000000000000" }, { 1e16, "1e16" },
+        { 12345678901234567.0, "1.2345678901234568e16" },
         { 1e-5, "0.00001" }, { 1.25e-5, "0.0000125" }, { 9.5e-6, "9.5e-6" }, { 1e23, "1e23" },
         { 0x1p-1074, "5e-324" }, { 0x1.fffffffffffffp1023, "1.7976931348623157e308" },
         { 0x1p-44, "5.684341886080802e-14" }, { 9007199254740993.0, "9007199254740992" },
@@ -424,7 +428,8 @@ static void forms(void)
     };
     const struct { float v; const char *text; } F[] = {
         { 0.1f, "0.1" }, { 16777216.0f, "16777216" }, { 0x1p-149f, "1e-45" },
-        { 0x1.fffffep127f, "3.4028235e38" }, { 1e10f, "10000000000" }, { 0.333333343f, "0.33333334" },
+        { 0x1.fffffep127f, "3.4028235e38" }, { 1e10f, "10000000000" },
+        { 0.333333343f, "0.33333334" },
         { -0.0f, "-0" }, { 3.14159274f, "3.1415927" }, { NAN, "nan" }, { -INFINITY, "-inf" },
         { 0x1p-126f, "1.1754944e-38" }, { 5e-6f, "5e-6" },
     };
