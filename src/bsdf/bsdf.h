@@ -57,4 +57,15 @@ extern const BsdfKind *const bsdfs[];           /* ends with NULL */
 INLINE float cos_of(V3 w) { return w.z; }
 INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }
 
+/* ---- for the models ---- */
+
+INLINE V3 mirror_z(V3 w) { return (V3){ -w.x, -w.y, w.z }; }
+INLINE V3 above(V3 w) { return (V3){ w.x, w.y, fabsf(w.z) }; }   /* reflective models: both sides */
+INLINE Rgb reflectance_of(Rgb value)                /* a texture may leave [0,1] */
+{
+    return (Rgb){ clamp01(value.r), clamp01(value.g), clamp01(value.b) };
+}
+Rgb   bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance);      /* of delta models */
+float bsdf_pdf_none(const Bsdf *b, V3 wo, V3 wi);
+
 #endif

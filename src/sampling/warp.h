@@ -8,8 +8,8 @@
  * hemisphere and a cone are one map with three heights.
  *
  * A canonical number is a multiple of 2^-24 and stands for the cell that begins there. The disc
- * takes the middle of the cell (exact in float), so it is never left or its rim met: no map
- * divides by zero, and the cosine of a direction is never 0. */
+ * takes the middle of the cell (exact in float), so that its rim is never met and the cosine of a
+ * direction is never 0. Other floats below 1 are legal too. */
 #ifndef SAMPLING_WARP_H
 #define SAMPLING_WARP_H
 
@@ -25,7 +25,7 @@ INLINE V2 warp_disk_radius(V2 u, float *r)
     bool wide = p > q;
 
     *r = wide ? p : q;
-    m_sincos_turn(0.125f * ((wide ? q : p) / *r), &s, &c);      /* within an eighth of the turn */
+    m_sincos_turn(0.125f * ((wide ? q : p) / f_max(*r, 0x1p-60f)), &s, &c);     /* to 1/8 turn */
     x = *r * (wide ? c : s);
     y = *r * (wide ? s : c);
     return (V2){ a < 0.0f ? -x : x, b < 0.0f ? -y : y };

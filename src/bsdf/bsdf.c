@@ -1,0 +1,22 @@
+/* bsdf.c -- the list of models. See bsdf.h. */
+#include "bsdf/bsdf.h"
+
+extern const BsdfKind bsdf_diffuse, bsdf_phong, bsdf_mirror, bsdf_dielectric, bsdf_conductor,
+                      bsdf_coateddiffuse;
+
+const BsdfKind *const bsdfs[] = {
+    &bsdf_diffuse, &bsdf_phong, &bsdf_mirror, &bsdf_dielectric, &bsdf_conductor,
+    &bsdf_coateddiffuse, NULL
+};
+
+Rgb bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance)
+{
+    (void)b, (void)wo, (void)wi, (void)importance;
+    return rgb_all(0.0f);
+}
+
+float bsdf_pdf_none(const Bsdf *b, V3 wo, V3 wi)
+{
+    (void)b, (void)wo, (void)wi;
+    return 0.0f;
+}

@@ -1,0 +1,184 @@
+/* coateddiffuse.c -- a matt base under a clear coat, smooth or rough, on both sides: plastic, glazed
+ * pottery, varnish.
+ *
+ * Source  the split into a coat and what passes it, in the reciprocal and energy-conserving form of
+ *         [Ashikhmin00] and [Kelemen01], with the light that the coat throws back inside:
+ *           f = f_coat + rho/pi T(wo) T(wi) / (eta^2 (1 - rho Fi)),  T = 1 - E,
+ *           Fi = 1 - Tm / eta^2,  Tm = integral of T(w) cos / pi over the hemisphere.
+ *         f_coat is that of GGX facets (ggx.h) with Fresnel's reflectance, or a delta. E(w) stands
+ *         for the albedo of f_coat. Fi is the part of diffuse light from inside that the coat
+ *         reflects: by reciprocity 1 - Fi = (1 - Fe) / eta^2, and Tm = 1 - Fe. A white base then has
+ *         albedo E + T = 1 exactly: nothing is absorbed.
+ *
+ * What is approximate: the base sees diffuse light whatever the angles of refraction, and the coat
+ * absorbs nothing. For a rough coat E has no closed form. We take E(w) = F(c') with c' so that it
+ * never falls below the true albedo of f_coat (checked by the tests over index, alpha and angle, to
+ * 1e-4), and the surface never returns more light than it gets:
+ *   c'^2 = c^2 (1 - 0.45 alpha) + 1.25 alpha^2 / (1 + 12.4 alpha^2) max(0, 1 - c^2 / (3.74 alpha)).
+ * The first term makes up for the convexity of F, the second for facets that turn towards grazing
+ * eyes. The coefficients are ours, from a search over eta in [1.1, 3], which is the range of the
+ * option. The price is light lost: of a white surface with eta = 1.5, 1 % on average over the
+ * hemisphere for alpha = 0.1, 3 % for 0.5, 6 % for 1, and up to 19 % near grazing. With a smooth
+ * coat nothing is lost. An anisotropic coat uses the smaller alpha here, where E is larger. */
+#include "bsdf/bsdf.h"
+#include "bsdf/fresnel.h"
+#include "bsdf/ggx.h"
+
+typedef struct {
+    Rgb   base;                 /* rho / (pi (eta^2 (1 - rho) + rho Tm)) */
+    float eta;
+    float mean;                 /* Tm */
+    Ggx   facets;               /* ax = 0: smooth */
+    float flat, lift, reach;    /* c'^2 = flat c^2 + lift max(0, 1 - reach c^2) */
+} Coated;
+
+static const Coated *of(const Bsdf *b) { return (const Coated *)(const void *)b->as.number; }
+
+static bool is_smooth(const Coated *c) { return c->facets.ax == 0.0f; }
+
+/* E: what the coat reflects of light from a direction of this cosine. */
+static float coat_albedo(const Coated *c, float cosine)
+{
+    float c2 = f_min(cosine * cosine, 1.0f);
+    c2 = c->flat * c2 + c->lift * f_max(0.0f, 1.0f - c->reach * c2);
+    return (float)fresnel_dielectric(sqrtf(f_min(c2, 1.0f)), c->eta);
+}
+
+/* Tm = integral over c in [0,1] of 2 c T(c) by Gauss's six points, which err by less than 6e-5
+ * [against 2e4 points, over all eta and alpha]. 1e-4 more keeps the sum on the safe side. */
+static float mean_passing(const Coated *c)
+{
+    static const float at[6] = { 0.0337652429f, 0.169395307f, 0.380690407f,
+                                 0.619309593f, 0.830604693f, 0.966234757f };
+    static const float share[3] = { 0.0856622462f, 0.180380787f, 0.233956967f };
+    float sum = 0.0f;
+    for (int i = 0; i < 6; i++)
+        sum += share[i < 3 ? i : 5 - i] * 2.0f * at[i] * (1.0f - coat_albedo(c, at[i]));
+    return f_min(1.0f, sum + 1e-4f);
+}
+
+static float base_of(const Coated *c, float rho)
+{
+    return rho * INV_PI / (c->eta * c->eta * (1.0f - rho) + rho * c->mean);
+}
+
+static void setup(Bsdf *b, const Rgb *value)
+{
+    Coated *c = (Coated *)(void *)b->as.number;
+    Rgb rho = reflectance_of(value[0]);
+    float alpha;
+
+    c->eta = f_min(f_max(value[1].r, 1.1f), 3.0f);
+    ggx_init(&c->facets, value[2].r, value[3].r, value[4].r, value[5].r != 0.0f);
+    alpha = f_min(c->facets.ax, c->facets.ay);
+    c->flat = 1.0f - 0.45f * alpha;
+    c->lift = 1.25f * alpha * alpha / (1.0f + 12.4f * alpha * alpha);
+    c->reach = alpha > 0.0f ? 1.0f / (3.74f * alpha) : 0.0f;
+    c->mean = mean_passing(c);
+    c->base = rgb(base_of(c, rho.r), base_of(c, rho.g), base_of(c, rho.b));
+}
+
+/* Albedo of the base through the coat, for light E of which the coat reflects. */
+static Rgb base_albedo(const Coated *c, float E)
+{
+    return rgb_scale(c->base, PI_F * (1.0f - E) * c->mean);
+}
+
+/* Probability of sampling the coat: its part of the albedo. E is never 0. */
+static float coat_share(const Coated *c, float E) { return E / (E + rgb_lum(base_albedo(c, E))); }
+
+/* For directions above the surface; E is coat_albedo(wo). */
+static Rgb f_of(const Coated *c, V3 wo, V3 wi, float E)
+{
+    Rgb f = rgb_scale(c->base, (1.0f - E) * (1.0f - coat_albedo(c, wi.z)));
+    if (is_smooth(c))
+        return f;
+    return rgb_add(f, rgb_all((float)fresnel_dielectric(ggx_cos(wo, wi), c->eta) *
+                              ggx_f(c->facets, wo, wi)));
+}
+
+static float pdf_of(const Coated *c, V3 wo, V3 wi, float share)
+{
+    float coat = is_smooth(c) ? 0.0f : ggx_pdf(c->facets, wo, wi);
+    return share * coat + (1.0f - share) * warp_cosine_pdf(wi.z);
+}
+
+static Rgb eval(const Bsdf *b, V3 wo, V3 wi, bool importance)
+{
+    (void)importance;
+    if (!same_side(wo, wi))
+        return rgb_all(0.0f);
+    wo = above(wo);
+    return f_of(of(b), wo, above(wi), coat_albedo(of(b), wo.z));
+}
+
+static float pdf_w(const Bsdf *b, V3 wo, V3 wi)
+{
+    if (!same_side(wo, wi))
+        return 0.0f;
+    wo = above(wo);
+    return pdf_of(of(b), wo, above(wi), coat_share(of(b), coat_albedo(of(b), wo.z)));
+}
+
+static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, BsdfSample *s)
+{
+    const Coated *c = of(b);
+    V3 up = above(wo);
+    float E = coat_albedo(c, up.z), share = coat_share(c, E);
+
+    (void)importance;
+    s->eta = 1.0f;
+    if (lobe < share && is_smooth(c)) {
+        s->wi = mirror_z(wo);
+        s->weight = rgb_all(E / share);
+        s->pdf_w = 0.0f;
+        s->flags = BSDF_REFLECT | BSDF_SPECULAR;
+        return wo.z != 0.0f;
+    }
+    s->wi = lobe < share ? ggx_sample(c->facets, up, u) : warp_cosine(u);
+    if (!same_side(up, s->wi))
+        return false;
+    s->pdf_w = pdf_of(c, up, s->wi, share);
+    if (!(s->pdf_w > 0.0f))
+        return false;
+    s->weight = rgb_scale(f_of(c, up, s->wi, E), s->wi.z / s->pdf_w);
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    if (wo.z < 0.0f)
+        s->wi.z = -s->wi.z;
+    return true;
+}
+
+static Rgb albedo(const Bsdf *b, V3 wo)
+{
+    float E = coat_albedo(of(b), wo.z);
+    return rgb_add(rgb_all(E), base_albedo(of(b), E));
+}
+
+static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
+{
+    peak[0] = v3(0.0f, 0.0f, wo.z < 0.0f ? -1.0f : 1.0f);
+    return 1 + ggx_peaks(of(b)->facets, wo, peak + 1);
+}
+
+static const OptDef options[] = {
+    { .key = "reflectance", .type = OPT_RGB, .num = 0.5, .lo = 0, .hi = 1, .also = "Kd",
+      .help = "part of the light inside that the base reflects" },
+    { .key = "eta", .type = OPT_FLOAT, .num = 1.5, .lo = 1.1, .hi = 3, .also = "index",
+      .help = "index of refraction of the coat" },
+    { .key = "roughness", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
+      .help = "of the coat, 0: smooth" },
+    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
+      .help = "along the first tangent; below 0: as roughness" },
+    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
+      .help = "along the second tangent; below 0: as roughness" },
+    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
+      .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    { .key = NULL }
+};
+
+const BsdfKind bsdf_coateddiffuse = {
+    .info = { "coateddiffuse", "Ashikhmin00; Kelemen01; Walter07; Heitz18",
+              "matt under a clear coat: plastic, pottery, varnish", options },
+    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH,
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+};

@@ -1,0 +1,126 @@
+/* conductor.c -- a metal, polished or rough, on both sides.
+ *
+ * Source  GGX facets with sampled visible normals, see ggx.h; Fresnel's formula for a complex index,
+ *         see fresnel.h, one for each of red, green and blue. Options and their defaults (copper,
+ *         alpha = sqrt(roughness)) are those of pbrt-v4, as is the index made from a colour:
+ *         eta = 1 and k so that the colour is what is reflected head on.
+ *
+ * Light is reflected by one facet only, so rough metal comes out too dark, never too bright. An
+ * alpha below GGX_SMOOTHEST along both axes makes a perfect mirror, a delta. */
+#include "bsdf/bsdf.h"
+#include "bsdf/fresnel.h"
+#include "bsdf/ggx.h"
+
+typedef struct { Rgb eta, k; Ggx facets; } Conductor;           /* facets.ax = 0: a mirror */
+
+static const Conductor *of(const Bsdf *b)
+{
+    return (const Conductor *)(const void *)b->as.number;
+}
+
+static bool is_mirror(const Conductor *c) { return c->facets.ax == 0.0f; }
+
+/* k for eta = 1 and this reflectance R at c = 1, where R = k^2 / (4 + k^2). */
+static float k_of(float R)
+{
+    R = f_min(clamp01(R), 0.9999f);                             /* R = 1 has no finite k */
+    return 2.0f * sqrtf(R / (1.0f - R));
+}
+
+static void setup(Bsdf *b, const Rgb *value)
+{
+    Conductor *c = (Conductor *)(void *)b->as.number;
+    Rgb reflectance = value[6];
+
+    ggx_init(&c->facets, value[0].r, value[1].r, value[2].r, value[3].r != 0.0f);
+    c->eta = value[4].r < 0.0f ? rgb(0.2004f, 0.9240f, 1.1022f) : value[4];     /* copper */
+    c->k = value[5].r < 0.0f ? rgb(3.9129f, 2.4528f, 2.1421f) : value[5];
+    if (reflectance.r >= 0.0f) {
+        c->eta = rgb_all(1.0f);
+        c->k = rgb(k_of(reflectance.r), k_of(reflectance.g), k_of(reflectance.b));
+    }
+}
+
+static Rgb fresnel(const Conductor *c, float cosine)
+{
+    return rgb(fresnel_conductor(cosine, c->eta.r, c->k.r),
+               fresnel_conductor(cosine, c->eta.g, c->k.g),
+               fresnel_conductor(cosine, c->eta.b, c->k.b));
+}
+
+static Rgb eval(const Bsdf *b, V3 wo, V3 wi, bool importance)
+{
+    const Conductor *c = of(b);
+    (void)importance;
+    if (is_mirror(c) || !same_side(wo, wi))
+        return rgb_all(0.0f);
+    wo = above(wo);
+    wi = above(wi);
+    return rgb_scale(fresnel(c, ggx_cos(wo, wi)), ggx_f(c->facets, wo, wi));
+}
+
+static float pdf_w(const Bsdf *b, V3 wo, V3 wi)
+{
+    const Conductor *c = of(b);
+    if (is_mirror(c) || !same_side(wo, wi))
+        return 0.0f;
+    return ggx_pdf(c->facets, above(wo), above(wi));
+}
+
+static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, BsdfSample *s)
+{
+    const Conductor *c = of(b);
+    V3 up = above(wo);
+
+    (void)lobe, (void)importance;
+    s->eta = 1.0f;
+    if (is_mirror(c)) {
+        s->wi = mirror_z(wo);
+        s->weight = fresnel(c, up.z);
+        s->pdf_w = 0.0f;
+        s->flags = BSDF_REFLECT | BSDF_SPECULAR;
+        return wo.z != 0.0f;
+    }
+    s->wi = ggx_sample(c->facets, up, u);
+    if (!same_side(up, s->wi))
+        return false;
+    s->pdf_w = ggx_pdf(c->facets, up, s->wi);
+    s->weight = rgb_scale(fresnel(c, ggx_cos(up, s->wi)), ggx_weight(c->facets, up, s->wi));
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    if (wo.z < 0.0f)
+        s->wi.z = -s->wi.z;
+    return s->pdf_w > 0.0f;
+}
+
+static Rgb albedo(const Bsdf *b, V3 wo)
+{
+    const Conductor *c = of(b);
+    return rgb_scale(fresnel(c, f_min(fabsf(wo.z), 1.0f)), ggx_albedo(c->facets, wo.z));
+}
+
+static int peaks(const Bsdf *b, V3 wo, V3 peak[16]) { return ggx_peaks(of(b)->facets, wo, peak); }
+
+static const OptDef options[] = {
+    { .key = "roughness", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
+      .help = "0: polished" },
+    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
+      .help = "along the first tangent; below 0: as roughness" },
+    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
+      .help = "along the second tangent; below 0: as roughness" },
+    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
+      .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    { .key = "eta", .type = OPT_RGB, .num = -1, .lo = -1, .hi = 1000,
+      .help = "index of refraction, real part; below 0: copper" },
+    { .key = "k", .type = OPT_RGB, .num = -1, .lo = -1, .hi = 1000,
+      .help = "index of refraction, imaginary part; below 0: copper" },
+    { .key = "reflectance", .type = OPT_RGB, .num = -1, .lo = -1, .hi = 1,
+      .help = "colour seen head on, instead of eta and k; below 0: not used" },
+    { .key = NULL }
+};
+
+const BsdfKind bsdf_conductor = {
+    .info = { "conductor", "Walter07; Heitz14 5.3; Heitz18; Cline07 5.2.2", "metal, polished or rough",
+              options },
+    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH,
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+};
