@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define SUITES(X) X(maths) X(number) X(base)
+#define SUITES(X) X(maths) X(number) X(base) X(sampling)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)
