@@ -11,7 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define SUITES(X) X(maths) X(number) X(base) X(sampling)
+#define SUITES(X) X(maths) X(number) X(base) X(sampling) X(image) X(image_png) X(image_compare) \
+    X(image_hostile)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

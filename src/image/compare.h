@@ -1,0 +1,62 @@
+/* compare.h -- how far an image is from a reference: figures, a statistical test, a picture. */
+#ifndef IMAGE_COMPARE_H
+#define IMAGE_COMPARE_H
+
+#include "image/image.h"
+
+/* Where a largest value was met, counting from 0 at the top left. */
+typedef struct { uint32_t x, y; } PixelPlace;
+
+/* a is the image under test, r the reference. Pixels that are not finite in either image are
+ * counted and left out of everything else. |c| is 0.299 r + 0.587 g + 0.114 b, and |c - d| the same
+ * sum of the absolute differences [Cline07 (4.11)]. A ratio 0/0 counts as 0, x/0 as infinity; if no
+ * pixel is left, the figures of error are infinite. */
+typedef struct {
+    uint64_t pixels;                    /* compared */
+    uint64_t not_finite_a, not_finite_r;
+    double   sigma;                     /* sqrt of the mean of |a - r|^2     [Cline07 (4.12)] */
+    double   sigma_over_mu;             /* sigma over the mean |r|           [Cline07 (4.13)] */
+    double   rmse;                      /* sqrt of the mean of (a - r)^2 over the channels */
+    double   relmse;                    /* mean of (a - r)^2 / (r^2 + 0.01) over the channels */
+    double   mean_a, mean_r;            /* of |a|, |r| */
+    double   ratio;                     /* mean_a / mean_r */
+    double   max;                       /* largest |a - r| of a channel */
+    PixelPlace max_at;
+    int      max_channel;               /* 0 red, 1 green, 2 blue */
+
+    /* The z-test. The image is cut into tiles of 8 x 8 pixels (those of the last column and row
+     * take the rest, up to 15). z of a tile is the mean of |a| - |r| over its pixels, in units of
+     * that mean's standard error, estimated from the scatter of the same differences: Student's t
+     * with (pixels - 1) degrees of freedom.
+     *
+     * What it says: if a and r are renders of one scene whose pixels are independent and unbiased,
+     * every z has mean 0 and a spread of about 1.02, whatever the noise; the largest of T tiles is
+     * then near sqrt(2 ln T), and z_mean within 5 / sqrt(T) of 0. A shift of a whole tile by less
+     * than its noise shows up in z_max; one of the whole image, sqrt(T) times smaller, in z_mean.
+     *
+     * What it cannot say: errors that cancel within a tile are not seen. Pixels that share samples
+     * (wide reconstruction filters, denoising, photons, Markov chains) vary together; the scatter
+     * within a tile then says too little of the error of its mean, and z is too large. A rare
+     * bright path makes the noise far from normal: z then stays small where it should not. The
+     * true difference of the two expectations may vary over a tile, which also hides a shift. */
+    double   z_max;                     /* signed z of the tile with the largest |z| */
+    PixelPlace z_max_at;                /* its top left pixel */
+    double   z_mean;                    /* mean of the signed z over the tiles */
+    uint64_t tiles;                     /* with two or more pixels compared */
+} ImageDifference;
+
+/* False, reported: the sizes differ. The names are for that message. */
+bool image_compare(const Image *a, const char *name_a, const Image *r, const char *name_r,
+                   ImageDifference *d);
+
+typedef enum {
+    DIFFERENCE_SIGNED,          /* |a| - |r|: red where a is brighter, blue where it is darker */
+    DIFFERENCE_ABSOLUTE         /* |a - r| of each channel */
+} DifferenceStyle;
+
+/* A picture of the difference times `scale`, linear, black where the images agree, pure green
+ * where a pixel is not finite. *out is made here. False: reported (sizes, memory). */
+bool image_difference(const Image *a, const char *name_a, const Image *r, const char *name_r,
+                      DifferenceStyle style, double scale, Image *out);
+
+#endif

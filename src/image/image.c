@@ -1,0 +1,150 @@
+/* image.c -- images in memory, the list of file formats, and the sRGB curve.
+ *
+ * Source      [sRGB]  IEC 61966-2-1:1999, the transfer function of sRGB.
+ * A new format is one file and one line of FORMATS. Reading goes by the bytes of the file, in the
+ * order of the list: TGA stands last, because it has no mark of its own at the front. */
+#include "image/image.h"
+
+#include "base/file.h"
+#include "base/mem.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define FORMATS(X) X(pfm) X(hdr) X(png) X(ppm) X(tga)
+#define DECLARE(name) extern const ImageFormat image_format_##name;
+#define ENTRY(name) &image_format_##name,
+FORMATS(DECLARE)
+const ImageFormat *const image_formats[] = { FORMATS(ENTRY) NULL };
+
+bool image_init(Image *im, uint32_t w, uint32_t h)
+{
+    uint64_t n = (uint64_t)w * h;
+
+    *im = (Image){ 0, 0, NULL };
+    if (n > SIZE_MAX / sizeof(Rgb))
+        return err_memory(SIZE_MAX);
+    im->pixels = MEM_ARRAY(Rgb, (size_t)n);
+    if (!im->pixels)
+        return false;
+    im->w = w;
+    im->h = h;
+    return true;
+}
+
+void image_clear(Image *im)
+{
+    mem_free(im->pixels);
+    *im = (Image){ 0, 0, NULL };
+}
+
+/* ---- choosing a format ---- */
+
+/* The usual extensions of the formats that can be read or written, with blanks between. */
+static const char *extensions_that(bool write, char *out, size_t room)
+{
+    size_t used = 0;
+
+    out[0] = 0;
+    for (const ImageFormat *const *f = image_formats; *f; f++) {
+        int n = (int)strcspn((*f)->extensions, " ");
+        if ((write ? (*f)->write != NULL : (*f)->read != NULL) && used + (size_t)n + 2 < room)
+            used += (size_t)snprintf(out + used, room - used, "%s%.*s", used ? " " : "", n,
+                                     (*f)->extensions);
+    }
+    return out;
+}
+
+static int lower(int c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; }
+
+/* Is `word` one of the blank-separated words of `list`? Case does not count. */
+static bool has_word(const char *list, const char *word)
+{
+    size_t n = strlen(word);
+
+    while (*list) {
+        size_t k = 0, m = strcspn(list, " ");
+        while (k < m && k < n && list[k] == lower((unsigned char)word[k]))
+            k++;
+        if (n && k == m && k == n)
+            return true;
+        list += m + (list[m] == ' ');
+    }
+    return false;
+}
+
+const ImageFormat *image_format_for_writing(const char *path)
+{
+    const char *ext = path_extension(path);
+    char names[200];
+
+    for (const ImageFormat *const *f = image_formats; *f; f++)
+        if ((*f)->write && has_word((*f)->extensions, ext))
+            return *f;
+    err_usage("%.300s: no image is written with the extension '%.40s', one of these was expected: "
+              "%s", path, ext, extensions_that(true, names, sizeof names));
+    return NULL;
+}
+
+static bool read_bytes(Image *im, const char *path, const unsigned char *bytes, size_t n,
+                       uint64_t max_pixels)
+{
+    Place at = { path, 0, 0 };
+    char names[200];
+
+    extensions_that(false, names, sizeof names);
+    for (const ImageFormat *const *f = image_formats; *f; f++) {
+        if (!(*f)->detect(bytes, n))
+            continue;
+        if (!(*f)->read)
+            return err_at(at, "is a %s file, one of these was expected: %s", (*f)->info.name,
+                          names);
+        return (*f)->read(im, path, bytes, n, max_pixels);
+    }
+    return err_at(at, "is no image of a known kind, one of these was expected: %s", names);
+}
+
+bool image_read(Image *im, const char *path, uint64_t max_pixels)
+{
+    FileBytes f;
+    bool ok;
+
+    *im = (Image){ 0, 0, NULL };
+    if (!file_read(path, FILE_LIMIT_DEFAULT, &f))
+        return false;
+    ok = read_bytes(im, path, (const unsigned char *)f.bytes, f.size, max_pixels);
+    file_clear(&f);
+    return ok;
+}
+
+bool image_write(const Image *im, const char *path, const Display *display)
+{
+    const ImageFormat *f = image_format_for_writing(path);
+
+    ASSERT(im->w > 0 && im->h > 0);             /* no format has pictures without pixels */
+    return f && f->write(im, path, display);
+}
+
+/* ---- the sRGB curve ---- */
+
+float srgb_encode(float linear)
+{
+    double x = linear;
+
+    if (!(linear > 0.0f))                               /* NaN too */
+        return 0.0f;
+    if (linear >= 1.0f)
+        return 1.0f;
+    return (float)(x <= 0.0031308 ? 12.92 * x : 1.055 * md_pow(x, 1 / 2.4) - 0.055);
+}
+
+float srgb_decode(float encoded)
+{
+    double x = encoded;
+
+    if (!(encoded > 0.0f))
+        return 0.0f;
+    if (encoded >= 1.0f)
+        return 1.0f;
+    return (float)(x <= 0.04045 ? x / 12.92 : md_pow((x + 0.055) / 1.055, 2.4));
+}
