@@ -1,0 +1,71 @@
+/* scenefile.c -- reading a scene by the extension of its file. See scenefile.h. */
+#include "scenefile/reader.h"
+
+#include "scenefile/shapes.h"
+
+#include <string.h>
+
+static bool read_pbrt(Reader *r, const char *path)
+{
+    char *copy = mem_string(path, strlen(path));
+    return copy && source_open(r, (Place){ NULL, 0, 0 }, copy, false) && parser_run(r);
+}
+
+static bool read_obj(Reader *r, const char *path)
+{
+    return objfile_add(r, (Place){ NULL, 0, 0 }, path);
+}
+
+static bool read_ply(Reader *r, const char *path)
+{
+    FileBytes f;
+    Mesh m;
+    bool ok;
+
+    if (!file_read(path, r->limits->max_file, &f))
+        return false;
+    ok = ply_read(&m, path, (const unsigned char *)f.bytes, f.size);
+    file_clear(&f);
+    return ok && shape_add_mesh(r, (Place){ r->main_path, 0, 0 }, &m, 0, NULL);
+}
+
+static const struct {
+    const char *extension;
+    bool (*read)(Reader *r, const char *path);
+} formats[] = { { "pbrt", read_pbrt }, { "obj", read_obj }, { "ply", read_ply } };
+enum { NFORMATS = sizeof formats / sizeof *formats };
+
+static bool read_any(Reader *r, const char *path)
+{
+    const char *ext = path_extension(path);
+    for (int i = 0; i < NFORMATS; i++)
+        if (word_is_nocase((Word){ ext, strlen(ext) }, formats[i].extension))
+            return formats[i].read(r, path);
+    return err_at((Place){ path, 0, 0 }, "a scene was expected: .pbrt, .obj or .ply");
+}
+
+bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits)
+{
+    Reader *r = MEM_NEW(Reader);
+    bool ok;
+
+    memset(f, 0, sizeof *f);
+    f->scene = r ? scene_new() : NULL;
+    ok = f->scene && reader_init(r, f, path, limits) && read_any(r, path) && reader_finish(r);
+    if (r)
+        reader_clear(r);
+    mem_free(r);
+    if (!ok) {
+        scenefile_clear(f);
+        return false;
+    }
+    f->bare = !f->scene->camera && !f->scene->nlights;
+    return true;
+}
+
+void scenefile_clear(SceneFile *f)
+{
+    scene_free(f->scene);
+    arena_clear(&f->arena);
+    memset(f, 0, sizeof *f);
+}

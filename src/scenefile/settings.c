@@ -1,0 +1,152 @@
+/* settings.c -- the camera, and the directives that concern the render: they are kept as written
+ * for the rooms above, which know what integrators and samplers there are. */
+#include "scenefile/reader.h"
+
+#include <string.h>
+
+/* The path of the file being read, in the arena of the SceneFile, which outlives the scene. */
+static const char *kept_path(Reader *r)
+{
+    Source *s = &r->sources[r->nsources - 1];
+    if (!s->kept)
+        s->kept = arena_string(&r->out->arena, s->path, strlen(s->path));
+    return s->kept;
+}
+
+static bool keep_setting(Reader *r, Place at, const char *what, Setting *setting)
+{
+    Token t;
+    Params ps;
+    char *name;
+    const char *file = kept_path(r);
+
+    if (!file || !reader_string(r, what, &t))
+        return false;
+    name = reader_keep(&r->out->arena, &t);
+    if (!name || !params_read(r, SPECTRUM_ALBEDO, &ps))
+        return false;
+    setting->name = name;
+    setting->at = at;
+    setting->at.file = file;
+    return params_keep(&r->out->arena, &ps, file, &setting->params);
+}
+
+bool do_film(Reader *r, Place at)
+{
+    return keep_setting(r, at, "the kind of film", &r->out->film);
+}
+
+bool do_sampler(Reader *r, Place at)
+{
+    return keep_setting(r, at, "the name of the sampler", &r->out->sampler);
+}
+
+bool do_pixel_filter(Reader *r, Place at)
+{
+    return keep_setting(r, at, "the name of the filter", &r->out->filter);
+}
+
+bool do_integrator(Reader *r, Place at)
+{
+    return keep_setting(r, at, "the name of the integrator", &r->out->integrator);
+}
+
+bool do_accelerator(Reader *r, Place at)
+{
+    return keep_setting(r, at, "the name of the accelerator", &r->out->accelerator);
+}
+
+/* ---- the camera ---- */
+
+static const CameraKind *camera_kind(const char *name, bool *known)
+{
+    const CameraKind *kind = kind_find(cameras, name);
+    *known = kind != NULL;
+    return kind ? kind : kind_find(cameras, "perspective");
+}
+
+static bool camera_make(Reader *r, Place at, const CameraKind *kind, Params *ps, bool known)
+{
+    double room[PARAMS_MAX];
+    Transform inverse = xf_inverse(&r->state.ctm);
+    Making m = reader_making(r, at, NULL);
+    Opts o;
+
+    params_fit(ps, kind->info.options, room);
+    for (size_t i = 0; i < ps->n && !known; i++)
+        ps->p[i].used = true;                   /* those of another camera: warned of as a whole */
+    opts_default(&o, kind->info.options);
+    if (!opts_params(&o, kind->info.name, ps))
+        return false;
+    m.to_world = inverse;
+    r->scene->camera = kind->make(&m, &o);
+    if (!r->scene->camera)
+        return false;
+    r->scene->camera->kind = kind;
+    return system_set(r, "camera", &inverse);
+}
+
+bool do_camera(Reader *r, Place at)
+{
+    Token t;
+    Params ps;
+    const CameraKind *kind;
+    char *name;
+    bool known;
+
+    if (!reader_string(r, "the name of the camera", &t) || !(name = reader_text(r, &t)))
+        return false;
+    kind = camera_kind(name, &known);
+    if (!known && !warn_at(t.at, "the camera '%.60s' is not supported; perspective is used", name))
+        return false;
+    r->camera_seen = true;
+    return params_read(r, SPECTRUM_ALBEDO, &ps) && camera_make(r, at, kind, &ps, known);
+}
+
+/* ---- what is left out ---- */
+
+/* `Option "bool name" true` or, as pbrt itself reads it, `Option "name" true`. */
+bool do_option(Reader *r, Place at)
+{
+    Params ps;
+    (void)at;
+    if (!params_read(r, SPECTRUM_ALBEDO, &ps))
+        return false;
+    if (!ps.n)
+        return err_at(at, "Option takes a name and a value");
+    for (size_t i = 0; i < ps.n; i++)
+        if (!warn_at(ps.p[i].at, "the option '%.60s' is left out", ps.p[i].name))
+            return false;
+    return true;
+}
+
+static bool skip_params(Reader *r)
+{
+    Params ps;
+    return params_read(r, SPECTRUM_ALBEDO, &ps);
+}
+
+bool do_volume_integrator(Reader *r, Place at)
+{
+    Token t;
+    return reader_string(r, "the name of the volume integrator", &t) && skip_params(r) &&
+           warn_at(at, "media are not supported; VolumeIntegrator is left out");
+}
+
+bool do_medium(Reader *r, Place at)
+{
+    Token t;
+    return reader_string(r, "the name of the medium", &t) && skip_params(r) &&
+           (!reader_once(r, ONCE_MEDIA) || warn_at(at, "media are not supported; they are left out"));
+}
+
+/* One name for both sides, or two. */
+bool do_medium_interface(Reader *r, Place at)
+{
+    Token t;
+    if (!reader_string(r, "the name of the inner medium", &t) || !reader_peek(r, &t))
+        return false;
+    if (t.kind == TOKEN_STRING && !reader_next(r, &t))
+        return false;
+    return !reader_once(r, ONCE_MEDIA) || warn_at(at, "media are not supported; they are left out");
+}

@@ -1,0 +1,34 @@
+/* shapes.h -- the shapes of the scene language. shapes.c has the list. */
+#ifndef SCENEFILE_SHAPES_H
+#define SCENEFILE_SHAPES_H
+
+#include "scenefile/reader.h"
+
+typedef struct {
+    KindInfo info;              /* options: single values; arrays (P, N, ...) are taken from ps */
+    bool (*read)(Reader *r, Place at, const Params *ps, const Opts *o);
+} ShapeReader;
+extern const ShapeReader *const shape_readers[];        /* ends with NULL */
+
+/* ---- pieces that readers share; each false: reported ---- */
+
+bool shape_points(const Params *ps, Place at, Mesh *m);             /* "P" */
+bool shape_indices(const Params *ps, Place at, size_t corners, uint32_t nverts, const Param **out);
+bool shape_triangles(const Params *ps, Place at, Mesh *m);          /* "indices" */
+bool shape_normals(const Params *ps, Mesh *m);                      /* "N", "uv" or "st" */
+/* Adds the mesh if ok, with the material and light of the moment; takes it over in any case. */
+bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
+
+/* ---- tessellated.c ---- */
+
+bool shape_distorted_sphere(Reader *r, Place at, const Opts *o, float zmin, float zmax);
+bool shape_distorted_disk(Reader *r, Place at, const Opts *o);
+bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_loop(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o);
+
+#endif
