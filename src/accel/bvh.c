@@ -2,32 +2,40 @@
  *
  * Source      [Cline07 2.2.3, 3.2.3] the tree and its 32-byte node; [Wald07] binned surface area
  *             heuristic; slab test [Ize13], see geometry/ray.h.
- * Layout      Nodes in one array, the two children of a node side by side (so they share a line of
- *             64 bytes); the primitives of a leaf are a run of `order`.
- * Invariants  A node's box holds the boxes of all primitives below it: validate() checks. Depth is
- *             at most DEPTH_SAH + 32, whatever the input: below DEPTH_SAH only halves are made.
- * Departs     [Cline07] stores two child pointers; neighbours need one, which leaves room for the
+ * Layout      Two siblings stand in one line of 64 bytes, 32 each: their planes side by side, so
+ *             that one test of four lanes does for both, then where each leads. The primitives of a
+ *             leaf are a run of `order`.
+ * Invariants  The box of a node holds the boxes of all primitives below it: validate() checks.
+ *             Depth is at most DEPTH_SAH + 32, whatever the input: below DEPTH_SAH nodes are halved.
+ * Departs     [Cline07] stores two child pointers; siblings need one, which leaves room for the
  *             count of a leaf. Leaves hold up to `leaf` primitives instead of one. */
 #include "accel/accel.h"
 #include "accel/prim.h"
 #include "base/mem.h"
+#include "base/simd.h"
 
 #include <stdio.h>
 #include <string.h>
 
 typedef struct {
-    float    lo[3];
-    uint32_t first;             /* inner: the left child, the right one follows; leaf: in order */
-    float    hi[3];
+    uint32_t first;             /* inner: the pair of its children; leaf: the first in `order` */
     uint32_t count;             /* primitives of a leaf; 0: inner */
-} Node;
-typedef char node_has_32_bytes[sizeof(Node) == 32 ? 1 : -1];
+} Link;
+
+typedef struct {
+    float plane[3][2][2];       /* [axis][lower, upper][left, right] */
+    Link  child[2];
+} Pair;
+typedef char node_has_32_bytes[sizeof(Pair) == 64 ? 1 : -1];
 
 typedef struct {
     Accel base;
-    Node *nodes;                /* owned; [0] is the root */
+    void *memory;               /* owned; holds the pairs, */
+    Pair *pairs;                /* which begin at a multiple of 64 in it */
     uint32_t *order;            /* owned */
-    size_t nnodes, cap_nodes;
+    size_t npairs;
+    Box  box;                   /* of everything */
+    Link root;
 } Bvh;
 
 enum { BINS = 16, DEPTH_SAH = 48, STACK = DEPTH_SAH + 34 };
@@ -38,26 +46,29 @@ typedef struct { Box box; uint32_t prim; } Ref;         /* a primitive being sor
 
 typedef struct {
     Bvh  *bvh;
-    Ref  *refs;
+    Ref  *refs;                 /* owned */
+    Pair *pairs;                /* owned; grows */
+    size_t npairs, cap_pairs;
     bool  sah;
     uint32_t leaf;              /* most primitives of a leaf */
 } Build;
 
-typedef struct { uint32_t node, first, count; int depth; } Task;
+/* Sort refs[first .. first + count) into child `side` of a pair; the root has no pair. */
+typedef struct { uint32_t pair; int side; uint32_t first, count; int depth; } Task;
+#define ROOT UINT32_MAX
 
-static void node_set_box(Node *n, Box b)
+static void pair_set_box(Pair *p, int side, Box b)
 {
-    n->lo[0] = b.lo.x;
-    n->lo[1] = b.lo.y;
-    n->lo[2] = b.lo.z;
-    n->hi[0] = b.hi.x;
-    n->hi[1] = b.hi.y;
-    n->hi[2] = b.hi.z;
+    for (int k = 0; k < 3; k++) {
+        p->plane[k][0][side] = v_axis(b.lo, k);
+        p->plane[k][1][side] = v_axis(b.hi, k);
+    }
 }
 
-static Box node_box(const Node *n)
+static Box pair_box(const Pair *p, int side)
 {
-    return (Box){ v3(n->lo[0], n->lo[1], n->lo[2]), v3(n->hi[0], n->hi[1], n->hi[2]) };
+    return (Box){ v3(p->plane[0][0][side], p->plane[1][0][side], p->plane[2][0][side]),
+                  v3(p->plane[0][1][side], p->plane[1][1][side], p->plane[2][1][side]) };
 }
 
 static int longest_axis(Box b)
@@ -84,7 +95,7 @@ static void select_refs(Ref *refs, size_t n, size_t k, int axis)
     size_t lo = 0, hi = n;
 
     while (hi - lo > 1) {
-        Ref pivot = refs[lo + (hi - lo) / 2];
+        Ref pivot = refs[lo + (hi - lo - 1) / 2];   /* never the last: the left part shrinks */
         size_t i = lo, j = hi - 1;
         for (;;) {
             Ref swap;
@@ -194,10 +205,10 @@ static size_t split_sah(Ref *refs, size_t n, Box box, Box centres, uint32_t leaf
     return i > 0 && i < n ? i : split_median(refs, n, centres);
 }
 
-static void make_leaf(Build *b, Node *node, const Task *t)
+static void make_leaf(Build *b, Link *link, const Task *t)
 {
-    node->first = t->first;
-    node->count = t->count;
+    link->first = t->first;
+    link->count = t->count;
     for (uint32_t i = 0; i < t->count; i++)
         b->bvh->order[t->first + i] = b->refs[t->first + i].prim;
     b->bvh->base.leaves++;
@@ -205,36 +216,49 @@ static void make_leaf(Build *b, Node *node, const Task *t)
         b->bvh->base.depth = t->depth;
 }
 
-/* Sets the node of the task and, unless it became a leaf, gives the tasks of its children. */
+/* How many of the task's primitives go to the left; 0: it becomes a leaf. */
+static size_t choose_split(const Build *b, const Task *t, Box box, Box centres)
+{
+    Ref *refs = b->refs + t->first;
+
+    if (t->count == 1)
+        return 0;
+    if (b->sah && t->depth < DEPTH_SAH)
+        return split_sah(refs, t->count, box, centres, b->leaf);
+    return t->count > b->leaf ? split_median(refs, t->count, centres) : 0;
+}
+
+/* Sets the box and the link of the task's node and, unless it became a leaf, gives the tasks of its
+ * children. */
 static bool make_node(Build *b, Task t, Task child[2], bool *inner)
 {
-    Ref *refs = b->refs + t.first;
     Box box = box_empty(), centres = box_empty();
-    size_t left = 0;
-    uint32_t at;
+    uint32_t left, pair = (uint32_t)b->npairs;
+    Link *link;
 
-    for (uint32_t i = 0; i < t.count; i++) {
-        box = box_join(box, refs[i].box);
-        centres = box_point(centres, box_centre(refs[i].box));
+    for (uint32_t i = t.first; i < t.first + t.count; i++) {
+        box = box_join(box, b->refs[i].box);
+        centres = box_point(centres, box_centre(b->refs[i].box));
     }
-    node_set_box(&b->bvh->nodes[t.node], box);
-    if (t.count > 1 && (b->sah || t.count > b->leaf))
-        left = b->sah && t.depth < DEPTH_SAH ? split_sah(refs, t.count, box, centres, b->leaf)
-                                             : t.count > b->leaf ? split_median(refs, t.count, centres)
-                                                                 : 0;
+    left = (uint32_t)choose_split(b, &t, box, centres);
     *inner = left > 0;
+    if (left && !mem_grow(&b->pairs, &b->cap_pairs, b->npairs + 1, sizeof(Pair)))
+        return false;
+    b->npairs += left > 0;
+    if (t.pair == ROOT) {
+        b->bvh->box = box;
+        link = &b->bvh->root;
+    } else {
+        pair_set_box(&b->pairs[t.pair], t.side, box);
+        link = &b->pairs[t.pair].child[t.side];
+    }
     if (!left) {
-        make_leaf(b, &b->bvh->nodes[t.node], &t);
+        make_leaf(b, link, &t);
         return true;
     }
-    at = (uint32_t)b->bvh->nnodes;
-    if (!mem_grow(&b->bvh->nodes, &b->bvh->cap_nodes, b->bvh->nnodes + 2, sizeof(Node)))
-        return false;
-    b->bvh->nnodes += 2;
-    b->bvh->nodes[t.node].first = at;
-    b->bvh->nodes[t.node].count = 0;
-    child[0] = (Task){ at, t.first, (uint32_t)left, t.depth + 1 };
-    child[1] = (Task){ at + 1, t.first + (uint32_t)left, t.count - (uint32_t)left, t.depth + 1 };
+    *link = (Link){ pair, 0 };
+    child[0] = (Task){ pair, 0, t.first, left, t.depth + 1 };
+    child[1] = (Task){ pair, 1, t.first + left, t.count - left, t.depth + 1 };
     return true;
 }
 
@@ -243,10 +267,7 @@ static bool build_nodes(Build *b, uint32_t n)
     Task stack[STACK];
     int top = 0;
 
-    if (!mem_grow(&b->bvh->nodes, &b->bvh->cap_nodes, 1, sizeof(Node)))
-        return false;
-    b->bvh->nnodes = 1;
-    stack[top++] = (Task){ 0, 0, n, 0 };
+    stack[top++] = (Task){ ROOT, 0, 0, n, 0 };
     while (top) {
         Task child[2];
         bool inner;
@@ -261,105 +282,147 @@ static bool build_nodes(Build *b, uint32_t n)
     return true;
 }
 
+/* Moves the pairs to memory of just their size, each in a line of the cache. */
+static bool settle_pairs(Build *b)
+{
+    Bvh *bvh = b->bvh;
+    size_t bytes = b->npairs * sizeof(Pair);
+
+    bvh->memory = mem_array(bytes + 63, 1);
+    if (!bvh->memory)
+        return false;
+    bvh->pairs = (Pair *)((char *)bvh->memory + (64 - (uintptr_t)bvh->memory % 64) % 64);
+    if (bytes)
+        memcpy(bvh->pairs, b->pairs, bytes);
+    bvh->npairs = b->npairs;
+    return true;
+}
+
 static void drop(Accel *a)
 {
     Bvh *b = (Bvh *)a;
-    mem_free(b->nodes);
+    mem_free(b->memory);
     mem_free(b->order);
     mem_free(b);
-}
-
-/* Frees what growing by halves left over. Keeping it is no error, so a failure is none. */
-static void trim_nodes(Bvh *b)
-{
-    Node *nodes;
-    if (b->cap_nodes == b->nnodes)
-        return;
-    nodes = MEM_ARRAY(Node, b->nnodes);
-    if (!nodes)
-        return;
-    memcpy(nodes, b->nodes, b->nnodes * sizeof *nodes);
-    mem_free(b->nodes);
-    b->nodes = nodes;
-    b->cap_nodes = b->nnodes;
 }
 
 static Accel *build(const Geometry *g, const Opts *o, int threads)
 {
     uint32_t n = geometry_prims(g);
-    Build b = { MEM_NEW(Bvh), NULL, opt_is(o, "split", "sah"), (uint32_t)opt_int(o, "leaf") };
+    Build b = { MEM_NEW(Bvh), NULL, NULL, 0, 0, opt_is(o, "split", "sah"),
+                (uint32_t)opt_int(o, "leaf") };
     bool ok = false;
 
     (void)threads;
     if (!b.bvh)
         return NULL;
     b.bvh->base.geo = g;
+    b.bvh->box = box_empty();
     b.refs = MEM_ARRAY(Ref, n);
     b.bvh->order = MEM_ARRAY(uint32_t, n);
     if (b.refs && b.bvh->order) {
         for (uint32_t i = 0; i < n; i++)
             b.refs[i] = (Ref){ geometry_box(g, i), i };
-        ok = n == 0 || build_nodes(&b, n);
+        ok = (n == 0 || build_nodes(&b, n)) && settle_pairs(&b);
     }
     mem_free(b.refs);
+    mem_free(b.pairs);
     if (!ok) {
         drop(&b.bvh->base);
         return NULL;
     }
-    trim_nodes(b.bvh);
-    b.bvh->base.nodes = b.bvh->nnodes;
-    b.bvh->base.bytes = sizeof *b.bvh + b.bvh->cap_nodes * sizeof(Node) + n * sizeof(uint32_t);
+    b.bvh->base.nodes = n ? 2 * b.npairs + 1 : 0;
+    b.bvh->base.bytes = sizeof *b.bvh + b.npairs * sizeof(Pair) + n * sizeof(uint32_t);
     return &b.bvh->base;
 }
 
 /* ---- queries ---- */
 
-typedef struct { uint32_t node; float near; } Waiting;
+/* The ray for the test of a pair: the near planes of both boxes in lanes 0 and 1, the far ones in
+ * 2 and 3, the latter with their sign turned, so that one maximum takes the latest entry and the
+ * earliest exit. The arithmetic of each lane is that of slabs() in geometry/ray.h. */
+typedef struct {
+    F4  o[3], inv[3], widen;
+    int near[3];                /* which plane of an axis is the near one */
+} PairProbe;
 
-INLINE bool enters(const Probe *p, const Node *n, float tmax, float *near)
+INLINE PairProbe pair_probe(const Probe *p)
 {
-    float far;
-    return slabs(p, (const float *)n, tmax, near, &far);
+    PairProbe q;
+    for (int k = 0; k < 3; k++) {
+        float o = (&p->o.x)[k], i = (&p->inv.x)[k];
+        q.o[k] = f4(o, o, o, o);
+        q.inv[k] = f4(i, i, -i, -i);
+        q.near[k] = p->neg[k];
+    }
+    q.widen = f4(1.0f, 1.0f, SLAB_WIDEN, SLAB_WIDEN);
+    return q;
 }
+
+/* Bit k is set if the ray enters box k before it leaves it and not beyond tmax; *near: where. */
+INLINE int pair_enter(const PairProbe *q, const Pair *p, float tmax, float near[2])
+{
+    F4 t = f4(0.0f, 0.0f, -INFINITY, -INFINITY);
+    int hits;
+
+    for (int k = 0; k < 3; k++) {
+        F4 planes = f4_pairs(p->plane[k][q->near[k]], p->plane[k][q->near[k] ^ 1]);
+        t = f4_max(f4_mul(f4_sub(planes, q->o[k]), q->inv[k]), t);
+    }
+    t = f4_max(f4_mul(t, q->widen), f4(0.0f, 0.0f, -tmax, -tmax));
+    hits = f4_halves_cancel(t);
+    near[0] = f4_lane(t, 0);
+    near[1] = f4_lane(t, 1);
+    return hits;
+}
+
+/* Whether the ray enters the tree at all. */
+INLINE bool root_enter(const Bvh *b, const Probe *p, float tmax)
+{
+    float box[8] = { b->box.lo.x, b->box.lo.y, b->box.lo.z, 0,
+                     b->box.hi.x, b->box.hi.y, b->box.hi.z, 0 }, near, far;
+    return slabs(p, box, tmax, &near, &far);
+}
+
+typedef struct { Link link; float near; } Waiting;
 
 /* The nearer child first; the other waits with its entry, and is dropped when a hit lies before
  * that. `steps` is NULL in all calls but one, and then the counting costs nothing. */
 INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
 {
     const Geometry *g = b->base.geo;
-    const Node *nodes = b->nodes, *n = nodes;
     Waiting stack[STACK];
     Probe p = probe_of(r);
+    PairProbe q = pair_probe(&p);
     Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
+    Link link = b->root;
     int top = 0;
-    float near;
 
-    if (!b->nnodes || !enters(&p, n, best.t, &near))
+    if (!root_enter(b, &p, best.t))
         return false;
     for (;;) {
         if (steps)
             steps->nodes++;
-        if (n->count == 0) {
-            const Node *left = nodes + n->first, *right = left + 1;
-            float tl, tr;
-            bool in_left = enters(&p, left, best.t, &tl), in_right = enters(&p, right, best.t, &tr);
-            if (in_left && in_right) {
-                bool swap = tr < tl;
-                stack[top].node = swap ? n->first : n->first + 1;
-                stack[top++].near = swap ? tl : tr;
-                n = swap ? right : left;
+        if (link.count == 0) {
+            const Pair *pair = b->pairs + link.first;
+            float near[2];
+            int hits = pair_enter(&q, pair, best.t, near);
+            if (hits == 3) {
+                int first = near[1] < near[0];
+                stack[top].link = pair->child[first ^ 1];
+                stack[top++].near = near[first ^ 1];
+                link = pair->child[first];
                 continue;
             }
-            if (in_left || in_right) {
-                n = in_left ? left : right;
+            if (hits) {
+                link = pair->child[hits >> 1];
                 continue;
             }
         } else {
-            const uint32_t *prim = b->order + n->first;
             if (steps)
-                steps->prims += n->count;
-            for (uint32_t i = 0; i < n->count; i++)
-                prim_nearest(g, prim[i], r, &p, &best, steps);
+                steps->prims += link.count;
+            for (uint32_t i = link.first; i < link.first + link.count; i++)
+                prim_nearest(g, b->order[i], r, &p, &best, steps);
         }
         do {
             if (top == 0) {
@@ -370,51 +433,44 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
             }
             top--;
         } while (stack[top].near > best.t);
-        n = nodes + stack[top].node;
+        link = stack[top].link;
     }
 }
 
 INLINE bool blocked_steps(const Bvh *b, const Ray *r, Steps *steps)
 {
     const Geometry *g = b->base.geo;
-    const Node *nodes = b->nodes, *n = nodes;
-    uint32_t stack[STACK];
+    Link stack[STACK], link = b->root;
     Probe p = probe_of(r);
+    PairProbe q = pair_probe(&p);
     int top = 0;
-    float near;
 
-    if (!b->nnodes || !enters(&p, n, r->tmax, &near))
+    if (!root_enter(b, &p, r->tmax))
         return false;
     for (;;) {
         if (steps)
             steps->nodes++;
-        if (n->count == 0) {
-            const Node *left = nodes + n->first, *right = left + 1;
-            float tl, tr;
-            bool in_left = enters(&p, left, r->tmax, &tl);
-            bool in_right = enters(&p, right, r->tmax, &tr);
-            if (in_left) {
-                if (in_right)
-                    stack[top++] = n->first + 1;
-                n = left;
-                continue;
-            }
-            if (in_right) {
-                n = right;
+        if (link.count == 0) {
+            const Pair *pair = b->pairs + link.first;
+            float near[2];
+            int hits = pair_enter(&q, pair, r->tmax, near);
+            if (hits) {
+                if (hits == 3)
+                    stack[top++] = pair->child[1];
+                link = pair->child[hits >> 1 & ~hits & 1];
                 continue;
             }
         } else {
-            const uint32_t *prim = b->order + n->first;
-            for (uint32_t i = 0; i < n->count; i++) {
+            for (uint32_t i = link.first; i < link.first + link.count; i++) {
                 if (steps)
                     steps->prims++;
-                if (prim_blocks(g, prim[i], r, &p, steps))
+                if (prim_blocks(g, b->order[i], r, &p, steps))
                     return true;
             }
         }
         if (top == 0)
             return false;
-        n = nodes + stack[--top];
+        link = stack[--top];
     }
 }
 
@@ -438,25 +494,29 @@ static bool bad(char *why, size_t room, const char *what, size_t where)
     return false;
 }
 
-static bool check_node(const Bvh *b, uint32_t i, unsigned char *seen, char *why, size_t room)
+static bool check_leaf(const Bvh *b, Link l, Box box, unsigned char *seen, char *why, size_t room)
 {
-    const Node *n = &b->nodes[i];
-
-    if (n->count == 0) {
-        if (n->first <= i || n->first + 1 >= b->nnodes)
-            return bad(why, room, "children out of range", i);
-        if (!box_holds(node_box(n), node_box(n + (n->first - i))) ||
-            !box_holds(node_box(n), node_box(n + (n->first + 1 - i))))
-            return bad(why, room, "a child's box sticks out of the node", i);
-        return true;
-    }
-    for (uint32_t k = n->first; k < n->first + n->count; k++) {
+    for (uint32_t k = l.first; k < l.first + l.count; k++) {
         uint32_t prim = b->order[k];
         if (prim >= geometry_prims(b->base.geo) || seen[prim]++)
-            return bad(why, room, "a primitive that does not exist or stands twice in the leaf", i);
-        if (!box_holds(node_box(n), geometry_box(b->base.geo, prim)))
-            return bad(why, room, "a primitive sticks out of the leaf", i);
+            return bad(why, room, "a primitive that does not exist or stands twice in the leaf", k);
+        if (!box_holds(box, geometry_box(b->base.geo, prim)))
+            return bad(why, room, "a primitive sticks out of the leaf", k);
     }
+    return true;
+}
+
+/* `self`: the pair that holds the link, for messages and for order; ROOT for the root. */
+static bool check_link(const Bvh *b, uint32_t self, Link l, Box box, unsigned char *seen, char *why,
+                       size_t room)
+{
+    if (l.count)
+        return check_leaf(b, l, box, seen, why, room);
+    if (l.first >= b->npairs || (self != ROOT && l.first <= self))
+        return bad(why, room, "children out of range", self);
+    for (int side = 0; side < 2; side++)
+        if (!box_holds(box, pair_box(&b->pairs[l.first], side)))
+            return bad(why, room, "a child's box sticks out of the node", l.first);
     return true;
 }
 
@@ -465,10 +525,12 @@ static bool validate(const Accel *a, char *why, size_t room)
     const Bvh *b = (const Bvh *)a;
     uint32_t n = geometry_prims(a->geo);
     unsigned char *seen = MEM_ARRAY(unsigned char, n);
-    bool ok = seen != NULL;
+    bool ok = seen && (n == 0 || check_link(b, ROOT, b->root, b->box, seen, why, room));
 
-    for (uint32_t i = 0; ok && i < b->nnodes; i++)
-        ok = check_node(b, i, seen, why, room);
+    for (uint32_t i = 0; ok && i < b->npairs; i++)
+        for (int side = 0; ok && side < 2; side++)
+            ok = check_link(b, i, b->pairs[i].child[side], pair_box(&b->pairs[i], side), seen, why,
+                            room);
     for (uint32_t i = 0; ok && i < n; i++)
         if (!seen[i])
             ok = bad(why, room, "no leaf holds the primitive", i);

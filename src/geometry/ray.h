@@ -45,6 +45,7 @@ typedef struct {
     int neg[3];
     int kx, ky, kz;
     float sx, sy, sz;
+    float ox, oy, oz;           /* the origin, permuted */
 } Probe;
 
 INLINE Probe probe_of(const Ray *r)
@@ -64,6 +65,9 @@ INLINE Probe probe_of(const Ray *r)
     p.sz = (&p.inv.x)[p.kz];
     p.sx = c[p.kx] * p.sz;
     p.sy = c[p.ky] * p.sz;
+    p.ox = (&p.o.x)[p.kx];
+    p.oy = (&p.o.x)[p.ky];
+    p.oz = (&p.o.x)[p.kz];
     return p;
 }
 

@@ -35,7 +35,8 @@ INLINE Box triangle_box(V3 a, V3 b, V3 c)
     return (Box){ v_sub(lo, m), v_add(hi, m) };
 }
 
-/* Puts t between where the ray enters and leaves the box. False: it never does. */
+/* Puts t between where the ray enters and leaves the box. False: it never does, or not within the
+ * range of floats, where the tests of boxes could not tell entry from exit. */
 static inline bool hit_in_box(const Probe *p, Box box, float *t)
 {
     float b[8] = { box.lo.x, box.lo.y, box.lo.z, 0, box.hi.x, box.hi.y, box.hi.z, 0 }, near, far;
@@ -43,7 +44,7 @@ static inline bool hit_in_box(const Probe *p, Box box, float *t)
     if (!slabs(p, b, INFINITY, &near, &far))
         return false;
     *t = *t < near ? near : *t > far ? far : *t;
-    return true;
+    return *t < INFINITY;
 }
 
 /* Bound of the absolute error of t, from the sheared coordinates a, b, c of the corners, the edge
@@ -70,9 +71,9 @@ static inline V3 triangle_edges_exact(V3 a, V3 b, V3 c)
 /* The corner as the ray sees it: x, y across, z along it (in units of t). */
 INLINE V3 triangle_shear(const Probe *r, const V3 *p)
 {
-    V3 q = v_sub(*p, r->o);
-    float z = v_pick(&q, r->kz);
-    return v3(v_pick(&q, r->kx) - r->sx * z, v_pick(&q, r->ky) - r->sy * z, r->sz * z);
+    float z = v_pick(p, r->kz) - r->oz;
+    return v3((v_pick(p, r->kx) - r->ox) - r->sx * z, (v_pick(p, r->ky) - r->oy) - r->sy * z,
+              r->sz * z);
 }
 
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h

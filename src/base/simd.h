@@ -1,0 +1,77 @@
+/* simd.h -- four floats at once. Each lane does what the scalar operation would, so the processor's
+ * vectors and the plain twin below give the same bits; the tests run both (make V=plain). */
+#ifndef BASE_SIMD_H
+#define BASE_SIMD_H
+
+#include "base/platform.h"
+
+#include <string.h>
+
+#if defined(__GNUC__) && defined(__SSE__) && !defined(RUSHLIGHT_PLAIN)
+
+typedef float F4 __attribute__((vector_size(16)));
+
+INLINE F4 f4(float a, float b, float c, float d) { return (F4){ a, b, c, d }; }
+INLINE F4 f4_sub(F4 a, F4 b) { return a - b; }
+INLINE F4 f4_mul(F4 a, F4 b) { return a * b; }
+/* a > b ? a : b in each lane: b where either is not a number */
+INLINE F4 f4_max(F4 a, F4 b) { return __builtin_ia32_maxps(a, b); }
+INLINE float f4_lane(F4 a, int k) { return a[k]; }
+
+/* lo[0] lo[1] hi[0] hi[1] */
+INLINE F4 f4_pairs(const float *lo, const float *hi)
+{
+    typedef double D2 __attribute__((vector_size(16)));
+    double a, b;
+    memcpy(&a, lo, 8);
+    memcpy(&b, hi, 8);
+    return (F4)(D2){ a, b };
+}
+
+/* Bit k: a[k] + a[k + 2] <= 0, for k = 0, 1. */
+INLINE int f4_halves_cancel(F4 a)
+{
+    F4 sum = a + __builtin_shufflevector(a, a, 2, 3, 0, 1);
+    return __builtin_ia32_movmskps((F4)(sum <= f4(0, 0, 0, 0))) & 3;
+}
+
+#else
+
+typedef struct { float v[4]; } F4;
+
+INLINE F4 f4(float a, float b, float c, float d)
+{
+    F4 r;
+    r.v[0] = a;
+    r.v[1] = b;
+    r.v[2] = c;
+    r.v[3] = d;
+    return r;
+}
+INLINE F4 f4_sub(F4 a, F4 b)
+{
+    for (int k = 0; k < 4; k++)
+        a.v[k] = a.v[k] - b.v[k];
+    return a;
+}
+INLINE F4 f4_mul(F4 a, F4 b)
+{
+    for (int k = 0; k < 4; k++)
+        a.v[k] = a.v[k] * b.v[k];
+    return a;
+}
+INLINE F4 f4_max(F4 a, F4 b)
+{
+    for (int k = 0; k < 4; k++)
+        a.v[k] = a.v[k] > b.v[k] ? a.v[k] : b.v[k];
+    return a;
+}
+INLINE float f4_lane(F4 a, int k) { return a.v[k]; }
+INLINE F4 f4_pairs(const float *lo, const float *hi) { return f4(lo[0], lo[1], hi[0], hi[1]); }
+INLINE int f4_halves_cancel(F4 a)
+{
+    return (a.v[0] + a.v[2] <= 0.0f ? 1 : 0) | (a.v[1] + a.v[3] <= 0.0f ? 2 : 0);
+}
+
+#endif
+#endif
