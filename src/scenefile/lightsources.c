@@ -62,7 +62,7 @@ static bool add_light(Reader *r, const LightKind *kind, const Making *m, const O
 static bool make_light(Reader *r, Place at, const LightKind *kind, Params *ps, bool all_known)
 {
     Param list[PARAMS_MAX + DEFAULTS_MAX];
-    double room[PARAMS_MAX + DEFAULTS_MAX];
+    double room[PARAMS_MAX + DEFAULTS_MAX][3];
     Params all;
     Making m;
     Opts o;
@@ -107,7 +107,7 @@ bool do_area_light_source(Reader *r, Place at)
     Token t;
     Params ps, all;
     Param list[PARAMS_MAX + DEFAULTS_MAX];
-    double room[PARAMS_MAX + DEFAULTS_MAX];
+    double room[PARAMS_MAX + DEFAULTS_MAX][3];
     char *name;
     AreaLight *a;
     const LightKind *kind;

@@ -150,7 +150,7 @@ static bool set_textures(Reader *r, Material *m, const Opts *o)
 static bool build(Reader *r, const BsdfKind *kind, const char *what, List *l, const char *name,
                   uint32_t *index)
 {
-    double room[MATERIAL_PARAMS];
+    double room[MATERIAL_PARAMS][3];
     Params ps = { l->p, l->n };
     Material m;
     Opts o;

@@ -245,7 +245,7 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
     if (ok && (n < 2 || n % 2))
         ok = err_at((Place){ path, 0, 0 }, "a spectrum file holds pairs of wavelength (nm) and value");
     if (ok)
-        spectrum_from_samples(&r->cie, pairs, n / 2, use, rgb);
+        spectrum_from_samples(r->cie, pairs, n / 2, use, rgb);
     mem_free(pairs);
     file_clear(&f);
     mem_free(path);
@@ -260,7 +260,7 @@ static bool spectrum_of_string(Reader *r, const Param *p, SpectrumUse use, doubl
     *known = true;
     if (p->n != 1)
         return err_at(p->at, "%lu spectra are given, expected one", (unsigned long)p->n);
-    if (spectrum_named(&r->cie, name, use, rgb))
+    if (spectrum_named(r->cie, name, use, rgb))
         return true;
     if (*path_extension(name))
         return read_spd(r, p->at, name, use, rgb);
@@ -279,7 +279,7 @@ static bool spectrum_of_numbers(Reader *r, const Param *p, SpectrumUse use, cons
     for (size_t i = 2; i < p->n; i += 2)
         if (v[i] <= v[i - 2])
             return err_at(p->at, "the wavelengths of a spectrum must rise");
-    spectrum_from_samples(&r->cie, v, p->n / 2, use, rgb);
+    spectrum_from_samples(r->cie, v, p->n / 2, use, rgb);
     return true;
 }
 
@@ -290,17 +290,20 @@ static bool blackbody_of(Reader *r, const Param *p, const double *v, double rgb[
                       "with a scale)");
     if (!(v[0] >= KELVIN_LEAST && v[0] <= KELVIN_MOST))
         return err_at(p->at, "the temperature of a black body is from 100 to 10000000 kelvin");
-    spectrum_from_kelvin(&r->cie, v[0], p->n == 2 ? &v[1] : NULL, rgb);
+    spectrum_from_kelvin(r->cie, v[0], p->n == 2 ? &v[1] : NULL, rgb);
     return true;
 }
 
+/* Colours that our primaries cannot make lose what is negative; a reflectance stays one. */
 static void to_our_space(const Reader *r, const double v[3], double rgb[3])
 {
     const double (*m)[3] = r->state.space;
-    for (int i = 0; i < 3; i++) {
-        rgb[i] = m ? m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2] : v[i];
-        if (m && rgb[i] < 0)
-            rgb[i] = 0;
+    bool albedo = v[0] <= 1 && v[1] <= 1 && v[2] <= 1;
+
+    memcpy(rgb, v, 3 * sizeof *v);
+    for (int i = 0; m && i < 3; i++) {
+        rgb[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+        rgb[i] = rgb[i] < 0 ? 0 : albedo && rgb[i] > 1 ? 1 : rgb[i];
     }
 }
 
@@ -317,6 +320,8 @@ static bool to_rgb(Reader *r, Param *p, size_t first, Form form, SpectrumUse use
         to_our_space(r, v, rgb);
     else if (form == FORM_XYZ)
         spectrum_from_xyz(v, rgb);
+    else if (!reader_cie(r))
+        return false;
     else if (form == FORM_BLACKBODY) {
         if (!blackbody_of(r, p, v, rgb))
             return false;
@@ -343,7 +348,7 @@ static bool to_rgb(Reader *r, Param *p, size_t first, Form form, SpectrumUse use
 static bool read_param(Reader *r, const Token *t, SpectrumUse use)
 {
     ParamPool *pool = &r->pool;
-    const TypeName *type;
+    const TypeName *type = &untyped;
     ParamSpan span;
     Param p;
     bool known = true;
@@ -508,20 +513,35 @@ static const OptDef *def_of(const OptDef *defs, Param *p)
     return NULL;
 }
 
-void params_fit(Params *ps, const OptDef *defs, double *room)
+/* A colour as a table wants it, in v[3]: its mean where a number is expected; within the range where
+ * it was computed from a spectrum, since no spectrum fits the primaries exactly. */
+static void fit_colour(Param *p, const OptDef *d, double *v)
+{
+    static const char *const computed[] = { "spectrum", "xyz", "blackbody", NULL };
+
+    memcpy(v, p->numbers, 3 * sizeof *v);
+    if (d->type == OPT_FLOAT) {
+        v[0] = (v[0] + v[1] + v[2]) / 3;
+        p->n = 1;
+    }
+    for (size_t k = 0; k < p->n && d->lo < d->hi && in_list(computed, p->type); k++)
+        v[k] = v[k] < d->lo ? d->lo : v[k] > d->hi ? d->hi : v[k];
+    p->numbers = v;
+}
+
+void params_fit(Params *ps, const OptDef *defs, double (*room)[3])
 {
     static const char *const how[] = { "remaproughness", "nsamples", "samples", "shutteropen",
                                        "shutterclose", NULL };
     static const char *const colours[] = { "rgb", "color", "spectrum", "xyz", "blackbody", NULL };
+
     for (size_t i = 0; i < ps->n; i++) {
         Param *p = &ps->p[i];
         const OptDef *d = def_of(defs, p);
         if (!d && in_list(how, p->name))
             p->used = true;
-        if (d && d->type == OPT_FLOAT && p->n == 3 && in_list(colours, p->type)) {
-            room[i] = (p->numbers[0] + p->numbers[1] + p->numbers[2]) / 3;
-            p->numbers = &room[i];
-            p->n = 1;
-        }
+        if (d && (d->type == OPT_FLOAT || d->type == OPT_RGB) && p->kind == PARAM_FLOAT &&
+            p->n == 3 && in_list(colours, p->type))
+            fit_colour(p, d, room[i]);
     }
 }

@@ -91,25 +91,35 @@ static bool may_open(Reader *r, Place at, const char *path)
     return true;
 }
 
-bool source_open(Reader *r, Place at, char *path, bool import)
+bool source_push(Reader *r, const char *path, const char *text, size_t n)
 {
-    Source s;
-    bool ok = path && may_open(r, at, path) &&
-              mem_grow(&r->sources, &r->cap_sources, r->nsources + 1, sizeof *r->sources);
+    Source *s;
 
-    memset(&s, 0, sizeof s);
-    s.import = import;
-    s.path = !ok ? NULL
-             : r->nsources == 0 ? r->main_path
-                                : arena_string(&r->scene->arena, path, strlen(path));
-    ok = s.path && reader_file(r, at, path, &s.bytes);
-    mem_free(path);
-    if (!ok)
+    if (!mem_grow(&r->sources, &r->cap_sources, r->nsources + 1, sizeof *r->sources))
         return false;
-    s.depth = r->nstack;
-    r->sources[r->nsources] = s;
-    lexer_init(&r->sources[r->nsources].lexer, s.path, s.bytes.bytes, s.bytes.size);
-    r->nsources++;
+    s = &r->sources[r->nsources++];
+    memset(s, 0, sizeof *s);
+    s->path = path;
+    s->depth = r->nstack;
+    lexer_init(&s->lexer, path, text, n);
+    return true;
+}
+
+static bool open_file(Reader *r, Place at, const char *path, bool import)
+{
+    FileBytes f;
+    char *kept;
+
+    if (!may_open(r, at, path) || !reader_file(r, at, path, &f))
+        return false;
+    kept = arena_string(&r->scene->arena, path, strlen(path));
+    if (!kept || (import && !stack_push(r, SAVED_IMPORT, at)) ||
+        !source_push(r, kept, f.bytes, f.size)) {
+        file_clear(&f);
+        return false;
+    }
+    r->sources[r->nsources - 1].bytes = f;
+    r->sources[r->nsources - 1].import = import;
     return true;
 }
 
@@ -125,18 +135,15 @@ static bool open_named(Reader *r, Place at, bool import)
 {
     Token t;
     char *name, *path;
+    bool ok;
 
     if (!reader_string(r, "the name of the file", &t))
         return false;
     name = reader_text(r, &t);
     path = name ? reader_path(r, at, name) : NULL;
-    if (!path)
-        return false;
-    if (import && !stack_push(r, SAVED_IMPORT, at)) {
-        mem_free(path);
-        return false;
-    }
-    return source_open(r, t.at, path, import);
+    ok = path && open_file(r, t.at, path, import);
+    mem_free(path);
+    return ok;
 }
 
 static bool do_include(Reader *r, Place at) { return open_named(r, at, false); }

@@ -15,7 +15,6 @@ bool reader_init(Reader *r, SceneFile *out, const char *path, const ReadLimits *
     r->limits = limits;
     r->state.ctm = xf_identity();
     r->state.at_start = r->state.at_end = true;
-    cie_init(&r->cie);
     r->main_path = arena_string(&r->scene->arena, path, strlen(path));
     return r->main_path != NULL;
 }
@@ -34,6 +33,7 @@ void reader_clear(Reader *r)
     mem_free(r->textures);
     mem_free(r->transforms);
     pool_clear(&r->pool);
+    mem_free(r->cie);
 }
 
 bool reader_finish(Reader *r)
@@ -155,6 +155,13 @@ Making reader_making(const Reader *r, Place at, const char *name)
         mem_free(path);
     }
     return m;
+}
+
+const Cie *reader_cie(Reader *r)
+{
+    if (!r->cie && (r->cie = MEM_NEW(Cie)) != NULL)
+        cie_init(r->cie);
+    return r->cie;
 }
 
 bool reader_generate(Reader *r, Place at, uint64_t ntriangles)

@@ -14,9 +14,10 @@ enum {
     DEFAULTS_MAX = 64,          /* parameters that Attribute may have piled up for one target */
     STACK_MAX = 1024,           /* AttributeBegin, TransformBegin, ObjectBegin, Import */
     TEXTURE_COST_MAX = 256,     /* textures that the evaluation of one may touch */
-    INCLUDES_MAX = 65536        /* Include and Import directives that are carried out */
+    INCLUDES_MAX = 16384        /* Include and Import directives that are carried out */
 };
 #define GENERATED_MAX ((uint64_t)1 << 24)       /* triangles made of curved shapes in one scene */
+#define AVERAGED_MAX  ((uint64_t)1 << 32)       /* pixels looked at for means of textures */
 #define MATERIAL_NONE (UINT32_MAX - 1)                /* surfaces that are left out: "interface" */
 
 /* The parameters of the directive being read. Emptied, not freed, between directives. */
@@ -35,7 +36,7 @@ typedef struct {
 typedef struct {
     const char *path;           /* in the scene's arena: lights and cameras keep places */
     const char *kept;           /* in the SceneFile's arena, or NULL */
-    FileBytes   bytes;          /* owned */
+    FileBytes   bytes;          /* owned; empty if the text is somebody else's */
     Lexer       lexer;
     size_t      depth;          /* of the stack when it was opened, SAVED_IMPORT included */
     bool        import;
@@ -92,8 +93,9 @@ typedef struct {
     Transform *transforms;      /* owned; what the table of systems numbers */
     size_t     ntransforms, cap_transforms;
     ParamPool  pool;
-    Cie        cie;
+    Cie       *cie;             /* owned; made when first wanted */
     uint64_t   generated;       /* triangles made so far */
+    uint64_t   averaged;        /* pixels that means of textures looked at so far */
     uint64_t   degenerate;      /* triangles dropped, and where the first was */
     Place      degenerate_at;
 } Reader;
@@ -124,6 +126,7 @@ char *reader_path(Reader *r, Place at, const char *name);
 /* For scene_image and the makers of lights: to_world and the place, with at.file such that `name`
  * (may be NULL) beside it is the file that reader_path finds. */
 Making reader_making(const Reader *r, Place at, const char *name);
+const Cie *reader_cie(Reader *r);                /* NULL: out of memory, reported */
 bool reader_generate(Reader *r, Place at, uint64_t ntriangles);    /* false: too many, reported */
 
 /* ---- params.c ---- */
@@ -137,9 +140,9 @@ void pool_clear(ParamPool *p);
 bool params_string(const Params *ps, const char *name, const char *otherwise, const char **s);
 /* n numbers by name; untouched if not given. False: of the wrong type or count, reported. */
 bool params_numbers(const Params *ps, const char *name, size_t n, double *v);
-/* Fits parameters to a table: a colour becomes its mean, in room[0 .. ps->n), where the table has
- * a FLOAT; parameters that the table has not and that say how to compute, not what, pass silently. */
-void params_fit(Params *ps, const OptDef *defs, double *room);
+/* Fits parameters to a table: colours become numbers where the table wants one (room has a row each);
+ * parameters that the table has not and that say how to compute, not what, pass silently. */
+void params_fit(Params *ps, const OptDef *defs, double (*room)[3]);
 /* Appends what Attribute set for this target. list has room for PARAMS_MAX + DEFAULTS_MAX. */
 void params_with_defaults(const Reader *r, Target target, const Params *ps, Param *list,
                           Params *out);
@@ -148,7 +151,7 @@ void params_with_defaults(const Reader *r, Target target, const Params *ps, Para
 
 typedef bool (*Directive)(Reader *r, Place at);
 bool parser_run(Reader *r);                     /* parser.c: all sources */
-bool source_open(Reader *r, Place at, char *path, bool import);     /* takes the path over */
+bool source_push(Reader *r, const char *path, const char *text, size_t n);      /* borrows both */
 
 bool do_identity(Reader *r, Place at);          /* transforms.c */
 bool do_translate(Reader *r, Place at);

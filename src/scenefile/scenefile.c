@@ -7,8 +7,12 @@
 
 static bool read_pbrt(Reader *r, const char *path)
 {
-    char *copy = mem_string(path, strlen(path));
-    return copy && source_open(r, (Place){ NULL, 0, 0 }, copy, false) && parser_run(r);
+    FileBytes f;
+    bool ok = reader_file(r, (Place){ NULL, 0, 0 }, path, &f);
+
+    ok = ok && source_push(r, r->main_path, f.bytes, f.size) && parser_run(r);
+    file_clear(&f);
+    return ok;
 }
 
 static bool read_obj(Reader *r, const char *path)
@@ -44,14 +48,18 @@ static bool read_any(Reader *r, const char *path)
     return err_at((Place){ path, 0, 0 }, "a scene was expected: .pbrt, .obj or .ply");
 }
 
-bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits)
+/* text NULL: the file itself. */
+static bool read_with(SceneFile *f, const char *path, const char *text, size_t n,
+                      const ReadLimits *limits)
 {
     Reader *r = MEM_NEW(Reader);
     bool ok;
 
     memset(f, 0, sizeof *f);
     f->scene = r ? scene_new() : NULL;
-    ok = f->scene && reader_init(r, f, path, limits) && read_any(r, path) && reader_finish(r);
+    ok = f->scene && reader_init(r, f, path, limits) &&
+         (text ? source_push(r, r->main_path, text, n) && parser_run(r) : read_any(r, path)) &&
+         reader_finish(r);
     if (r)
         reader_clear(r);
     mem_free(r);
@@ -61,6 +69,17 @@ bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits)
     }
     f->bare = !f->scene->camera && !f->scene->nlights;
     return true;
+}
+
+bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits)
+{
+    return read_with(f, path, NULL, 0, limits);
+}
+
+bool scenefile_parse(SceneFile *f, const char *path, const char *text, size_t n,
+                     const ReadLimits *limits)
+{
+    return read_with(f, path, text, n, limits);
 }
 
 void scenefile_clear(SceneFile *f)

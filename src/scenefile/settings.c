@@ -67,7 +67,7 @@ static const CameraKind *camera_kind(const char *name, bool *known)
 
 static bool camera_make(Reader *r, Place at, const CameraKind *kind, Params *ps, bool known)
 {
-    double room[PARAMS_MAX];
+    double room[PARAMS_MAX][3];
     Transform inverse = xf_inverse(&r->state.ctm);
     Making m = reader_making(r, at, NULL);
     Opts o;

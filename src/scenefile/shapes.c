@@ -280,15 +280,6 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
             lightsource_shine(r, r->state.area, shape, at));
 }
 
-static bool read_nothing(Reader *r, Place at, const Params *ps, const Opts *o)
-{
-    (void)r;
-    (void)o;
-    for (size_t i = 0; i < ps->n; i++)
-        ps->p[i].used = true;
-    return warn_at(at, "shapes of this kind are not supported; it is left out");
-}
-
 /* ---- the table ---- */
 
 #define RADIUS { .key = "radius", .type = OPT_FLOAT, .num = 1, .lo = 1e-30, .hi = 1e30, \
@@ -381,10 +372,10 @@ static const ShapeReader heightfield = {
     shape_read_heights
 };
 static const ShapeReader curve = {
-    { "curve", "PBRT4 6.7", "not supported: left out with a warning", none }, read_nothing
+    { "curve", "PBRT4 6.7", "not supported: left out with a warning", none }, NULL
 };
 static const ShapeReader nurbs = {
-    { "nurbs", "PBRT3 3.8", "not supported: left out with a warning", none }, read_nothing
+    { "nurbs", "PBRT3 3.8", "not supported: left out with a warning", none }, NULL
 };
 
 const ShapeReader *const shape_readers[] = {
@@ -422,9 +413,6 @@ static bool alpha(Reader *r, const Params *ps, bool *nowhere)
 static void mark_arrays(const Params *ps, const ShapeReader *s)
 {
     static const char *const arrays[] = { "P", "N", "uv", "st", "S", "indices", "faceIndices", "Pz" };
-    if (s->read == read_nothing)
-        for (size_t i = 0; i < ps->n; i++)
-            ps->p[i].used = true;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (s->info.options != file_options)
             params_find(ps, arrays[i], NULL);
@@ -447,8 +435,8 @@ bool do_shape(Reader *r, Place at)
         return false;
     if (!params_read(r, SPECTRUM_ALBEDO, &ps))
         return false;
-    if (!s)
-        return true;
+    if (!s || !s->read)
+        return !s || warn_at(at, "the shape '%s' is not supported; it is left out", s->info.name);
     params_with_defaults(r, TARGET_SHAPE, &ps, list, &all);
     mark_arrays(&all, s);
     opts_default(&o, s->info.options);

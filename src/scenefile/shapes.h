@@ -4,11 +4,10 @@
 
 #include "scenefile/reader.h"
 
-typedef struct {
+struct ShapeReader {
     KindInfo info;              /* options: single values; arrays (P, N, ...) are taken from ps */
-    bool (*read)(Reader *r, Place at, const Params *ps, const Opts *o);
-} ShapeReader;
-extern const ShapeReader *const shape_readers[];        /* ends with NULL */
+    bool (*read)(Reader *r, Place at, const Params *ps, const Opts *o);     /* NULL: not supported */
+};
 
 /* ---- pieces that readers share; each false: reported ---- */
 

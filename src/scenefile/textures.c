@@ -82,13 +82,29 @@ static bool operand(Build *b, const char *name, float otherwise, const Texture *
     return *t != NULL;
 }
 
-static bool mean_of(Build *b, const char *name, float otherwise, Rgb *mean)
+/* Pixels that texture_mean looks at. A texture is a tree of at most TEXTURE_COST_MAX. */
+static uint64_t pixels_of(const Texture *t)
 {
-    const Texture *t;
-    if (!operand(b, name, otherwise, &t))
-        return false;
+    uint64_t n = t->kind == TEXTURE_IMAGE ? (uint64_t)t->image->w * t->image->h : 1;
+    if (t->kind == TEXTURE_CHECKER || t->kind == TEXTURE_SCALE)
+        n += pixels_of(t->a) + pixels_of(t->b);
+    return n;
+}
+
+/* The mean of a texture, as long as the scene has not asked for too many. */
+static bool mean_of(Build *b, Place at, const Texture *t, Rgb *mean)
+{
+    b->r->averaged += pixels_of(t);
+    if (b->r->averaged > AVERAGED_MAX)
+        return err_at(at, "means of textures are taken of more than %.0f pixels", (double)AVERAGED_MAX);
     *mean = texture_mean(t);
     return true;
+}
+
+static bool operand_mean(Build *b, Place at, const char *name, float otherwise, Rgb *mean)
+{
+    const Texture *t;
+    return operand(b, name, otherwise, &t) && mean_of(b, at, t, mean);
 }
 
 /* uscale, vscale, udelta, vdelta; other mappings than that of (u, v) are warned of. */
@@ -117,11 +133,10 @@ static bool mapping(Build *b, Texture *t)
 
 static bool make_constant(Build *b, Place at, Texture **t)
 {
-    const Texture *v;
-    (void)at;
-    if (!operand(b, "value", 1, &v))
+    Rgb value;
+    if (!operand_mean(b, at, "value", 1, &value))
         return false;
-    *t = constant(b->r, texture_mean(v));
+    *t = constant(b->r, value);
     return *t != NULL;
 }
 
@@ -195,6 +210,7 @@ static bool make_imagemap(Build *b, Place at, Texture **t)
 static bool make_checkerboard(Build *b, Place at, Texture **t)
 {
     double dimension = 2;
+    Rgb mean;
     Texture *c = new_texture(b->r, TEXTURE_CHECKER);
 
     params_find(b->ps, "aamode", NULL);
@@ -204,7 +220,9 @@ static bool make_checkerboard(Build *b, Place at, Texture **t)
     *t = c;
     if (dimension == 2)
         return true;
-    *t = constant(b->r, rgb_scale(rgb_add(texture_mean(c->a), texture_mean(c->b)), 0.5f));
+    if (!mean_of(b, at, c, &mean))
+        return false;
+    *t = constant(b->r, mean);
     return *t && warn_at(at, "only two-dimensional checkerboards are supported; their mean is used");
 }
 
@@ -227,8 +245,8 @@ static bool make_mix(Build *b, Place at, Texture **t)
     Rgb one, two, k, all;
 
     params_find(b->ps, "dir", NULL);
-    if (!mean_of(b, "tex1", 0, &one) || !mean_of(b, "tex2", 1, &two) ||
-        !mean_of(b, "amount", 0.5f, &k))
+    if (!operand_mean(b, at, "tex1", 0, &one) || !operand_mean(b, at, "tex2", 1, &two) ||
+        !operand_mean(b, at, "amount", 0.5f, &k))
         return false;
     all = rgb_add(rgb_mul(one, rgb_sub(rgb_all(1), k)), rgb_mul(two, k));
     *t = constant(b->r, all);
@@ -238,8 +256,8 @@ static bool make_mix(Build *b, Place at, Texture **t)
 static bool make_bilerp(Build *b, Place at, Texture **t)
 {
     Rgb v[4];
-    if (!mean_of(b, "v00", 0, &v[0]) || !mean_of(b, "v01", 1, &v[1]) ||
-        !mean_of(b, "v10", 0, &v[2]) || !mean_of(b, "v11", 1, &v[3]))
+    if (!operand_mean(b, at, "v00", 0, &v[0]) || !operand_mean(b, at, "v01", 1, &v[1]) ||
+        !operand_mean(b, at, "v10", 0, &v[2]) || !operand_mean(b, at, "v11", 1, &v[3]))
         return false;
     *t = constant(b->r, rgb_scale(rgb_add(rgb_add(v[0], v[1]), rgb_add(v[2], v[3])), 0.25f));
     return *t && warn_at(at, "bilerp textures are not supported; their mean is used");
@@ -250,7 +268,7 @@ static bool make_dots(Build *b, Place at, Texture **t)
 {
     const float part = 0.19242255f;
     Rgb in, out;
-    if (!mean_of(b, "inside", 1, &in) || !mean_of(b, "outside", 0, &out))
+    if (!operand_mean(b, at, "inside", 1, &in) || !operand_mean(b, at, "outside", 0, &out))
         return false;
     *t = constant(b->r, rgb_add(rgb_scale(in, part), rgb_scale(out, 1 - part)));
     return *t && warn_at(at, "dots are not supported; their mean is used");
