@@ -3,16 +3,19 @@
 #define GEOMETRY_MESH_H
 
 #include "base/error.h"
+#include "base/mem.h"
 #include "base/vec.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
+#define MESH_MAX 0xFFFFFFFEu    /* most vertices, and most triangles, of one mesh */
+
 typedef struct { uint32_t v[3]; } Tri;                  /* counter-clockwise from the front */
 
 /* All arrays owned. n and uv are NULL or hold nverts entries. {0} is the empty mesh.
  * Invariants after a reader: every index < nverts; every position finite; normals are unit or
- * (0,0,0) for "none here". */
+ * (0,0,0) for "none here"; texture coordinates are finite. */
 typedef struct {
     uint32_t nverts, ntris;
     V3  *p;                     /* scene units */
@@ -25,39 +28,49 @@ typedef struct {
 
 void mesh_clear(Mesh *m);
 
-/* Drops triangles of zero area (two equal corners, or corners on a line so that the computed area
- * is 0) and returns how many they were. Keeps order. */
+/* Drops triangles of zero area (two equal corners, or corners on a line so that the area computed
+ * in double is 0) and returns how many they were. Keeps order. */
 uint32_t mesh_drop_degenerate(Mesh *m);
 
 /* ---- readers ----
- * Each takes the file's bytes and its name for messages. False: one error with its place was
- * reported and *m is empty. Memory stays below a small multiple of n whatever the counts in the
- * file claim. Non-finite positions are errors; degenerate triangles are dropped by the caller. */
+ * Each takes the file's bytes (n of them; no 0 need follow) and its name for messages. False: one
+ * error with its place was reported and *m is empty. What a user would rather go on without (faces
+ * of two corners, unknown keywords, ...) is left out and counted in one warning a file. Memory
+ * stays below 16 n + 1 MiB whatever the counts in the file claim. Non-finite positions are errors;
+ * degenerate triangles are dropped by the caller. */
 
 bool ply_read(Mesh *m, const char *path, const unsigned char *bytes, size_t n);
 
-/* A material as an MTL file gives it; `file` and `line` say where. Colours linear as written. */
+/* Writes a binary little-endian PLY: positions, normals and texture coordinates if there are any,
+ * triangles. Groups are not written. False: reported, an older file untouched. */
+bool ply_write(const Mesh *m, const char *path);
+
+/* A material as an MTL file gives it; `at` says where. Colours linear as written. What is not
+ * given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1. Strings belong to the MtlFile and are
+ * never NULL; map names are as written, relative to the MTL file. */
 typedef struct {
-    char  name[128];
+    const char *name;
+    const char *map_kd, *map_d, *map_bump;              /* "" if none */
     Place at;
     Rgb   kd, ks, ke, tf;
     float ns, ni, d;
     int   illum;                /* -1: not given */
     bool  has_kd, has_ks, has_ke;
-    char  map_kd[256], map_d[256], map_bump[256];       /* "" if none */
 } MtlMaterial;
 
-typedef struct { MtlMaterial *m; size_t n, cap; } MtlFile;      /* owned */
+typedef struct { MtlMaterial *m; size_t n, cap; Arena strings; } MtlFile;       /* owned */
 bool mtl_read(MtlFile *f, const char *path, const unsigned char *bytes, size_t n);
 void mtl_clear(MtlFile *f);
 
-/* An OBJ file: one mesh, its triangles labelled by `usemtl` group. */
+/* An OBJ file: one mesh, its triangles labelled by the `usemtl` in force. Only names that label a
+ * triangle are groups; they are numbered in order of first use. All owned. */
 typedef struct {
     Mesh   mesh;
-    char (*group_names)[128];   /* owned; name of the usemtl of mesh.group k, "" before the first */
-    size_t ngroups, cap_groups;
-    char (*mtllibs)[256];       /* owned; names as written, relative to the OBJ file */
+    const char **group_names;   /* name of the usemtl of mesh.group k, "" before the first */
+    size_t ngroups, cap_groups; /* 0 if there are no triangles */
+    const char **mtllibs;       /* names as written, relative to the OBJ file, each once */
     size_t nmtllibs, cap_mtllibs;
+    Arena  strings;             /* holds the names */
 } ObjFile;
 bool obj_read(ObjFile *f, const char *path, const unsigned char *bytes, size_t n);
 void obj_clear(ObjFile *f);

@@ -1,0 +1,38 @@
+/* mesh.c -- what all meshes share: release, and dropping triangles without area. */
+#include "geometry/mesh.h"
+
+void mesh_clear(Mesh *m)
+{
+    mem_free(m->p);
+    mem_free(m->n);
+    mem_free(m->uv);
+    mem_free(m->tri);
+    mem_free(m->group);
+    *m = (Mesh){ 0 };
+}
+
+/* In double, where neither the product of two tiny edges underflows nor that of two huge ones
+ * overflows, so that only triangles without area count as such. */
+static bool has_area(V3 a, V3 b, V3 c)
+{
+    double ux = (double)b.x - a.x, uy = (double)b.y - a.y, uz = (double)b.z - a.z;
+    double wx = (double)c.x - a.x, wy = (double)c.y - a.y, wz = (double)c.z - a.z;
+    return uy * wz != uz * wy || uz * wx != ux * wz || ux * wy != uy * wx;
+}
+
+uint32_t mesh_drop_degenerate(Mesh *m)
+{
+    uint32_t kept = 0, dropped;
+
+    for (uint32_t i = 0; i < m->ntris; i++) {
+        Tri t = m->tri[i];
+        if (!has_area(m->p[t.v[0]], m->p[t.v[1]], m->p[t.v[2]]))
+            continue;
+        if (m->group)
+            m->group[kept] = m->group[i];
+        m->tri[kept++] = t;
+    }
+    dropped = m->ntris - kept;
+    m->ntris = kept;
+    return dropped;
+}
