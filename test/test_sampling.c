@@ -481,6 +481,47 @@ static void test_memory(void)
     EXPECT(k == 6, "%lu allocations, expected 5 that can fail", k - 1);
 }
 
+/* ---- the same bits on every machine ---- */
+
+static uint64_t hash_floats(uint64_t h, const float *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+        memcpy(&bits, &x[i], sizeof bits);
+        h = key_with(h, bits);
+    }
+    return h;
+}
+
+static void test_same_bits(void)
+{
+    static float w[64 * 64];
+    Rng rng = rng_seed(1234);
+    uint64_t h = 0;
+    Table t;
+    AliasTable a;
+    Table2 s;
+
+    weights_make(w, 64 * 64, 5);
+    REQUIRE(table_init(&t, w, 4096) && alias_init(&a, w, 4096) && table2_init(&s, w, 64, 64), "memory");
+    for (int k = 0; k < 50000; k++) {
+        V2 u = unit2(&rng), d = warp_disk_concentric(u), p = { 0, 0 };
+        V3 c = warp_cosine(u), n = warp_cone(u, 1e-3f), g = warp_sphere(u), b = warp_triangle(u);
+        size_t i = 0;
+        uint32_t j = 0;
+        float pmf[2] = { 0 }, rest[2] = { 0 }, pdf = 0;
+        REQUIRE(table_sample(&t, u.x, &i, &pmf[0], &rest[0]) &&
+                alias_sample(&a, u.y, &j, &pmf[1], &rest[1]) && table2_sample(&s, u, &p, &pdf), "no");
+        h = hash_floats(h, (float[]){ d.x, d.y, c.x, c.y, c.z, n.x, n.y, n.z, g.x, g.y, g.z, b.x, b.y,
+                                      b.z, warp_tent(u.x), pmf[0], pmf[1], rest[0], rest[1], p.x, p.y,
+                                      pdf, (float)i, (float)j }, 24);
+    }
+    table_clear(&t);
+    alias_clear(&a);
+    table2_clear(&s);
+    EXPECT(h == 0xC239B85F2A09DAF2u, "hash %016llX", (unsigned long long)h);
+}
+
 /* ---- the tester itself ---- */
 
 typedef struct { double tilt; bool sideways; } Tilt;
@@ -531,5 +572,6 @@ const TestCase test_sampling[] = {
     { "table2", test_table2, false },
     { "table2_cells", test_table2_cells, false },
     { "memory", test_memory, false },
+    { "same_bits", test_same_bits, false },
     { NULL, NULL, false }
 };

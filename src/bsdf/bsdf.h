@@ -17,7 +17,8 @@ enum {                          /* what a model can do; BsdfSample.flags has tho
     BSDF_REFLECT  = 1,
     BSDF_TRANSMIT = 2,
     BSDF_SPECULAR = 4,          /* delta: eval and pdf are 0, only sample finds it */
-    BSDF_SMOOTH   = 8           /* not delta: eval and pdf are meaningful */
+    BSDF_SMOOTH   = 8,          /* not delta: eval and pdf are meaningful */
+    BSDF_LOBES    = 16          /* sample chooses between parts by `lobe` */
 };
 
 typedef struct {

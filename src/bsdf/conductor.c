@@ -11,6 +11,8 @@
 #include "bsdf/fresnel.h"
 #include "bsdf/ggx.h"
 
+#define HIGHEST 1000.0f         /* index */
+
 typedef struct { Rgb eta, k; Ggx facets; } Conductor;           /* facets.ax = 0: a mirror */
 
 static const Conductor *of(const Bsdf *b)
@@ -27,14 +29,23 @@ static float k_of(float R)
     return 2.0f * sqrtf(R / (1.0f - R));
 }
 
+/* An index as a texture may give it; below 0 the metal's. */
+static Rgb index_of(Rgb value, Rgb metal)
+{
+    if (value.r < 0.0f)
+        return metal;
+    return rgb(f_min(value.r, HIGHEST), f_min(f_max(value.g, 0.0f), HIGHEST),
+               f_min(f_max(value.b, 0.0f), HIGHEST));
+}
+
 static void setup(Bsdf *b, const Rgb *value)
 {
     Conductor *c = (Conductor *)(void *)b->as.number;
     Rgb reflectance = value[6];
 
     ggx_init(&c->facets, value[0].r, value[1].r, value[2].r, value[3].r != 0.0f);
-    c->eta = value[4].r < 0.0f ? rgb(0.2004f, 0.9240f, 1.1022f) : value[4];     /* copper */
-    c->k = value[5].r < 0.0f ? rgb(3.9129f, 2.4528f, 2.1421f) : value[5];
+    c->eta = index_of(value[4], rgb(0.2004f, 0.9240f, 1.1022f));                /* copper */
+    c->k = index_of(value[5], rgb(3.9129f, 2.4528f, 2.1421f));
     if (reflectance.r >= 0.0f) {
         c->eta = rgb_all(1.0f);
         c->k = rgb(k_of(reflectance.r), k_of(reflectance.g), k_of(reflectance.b));
@@ -95,7 +106,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
 static Rgb albedo(const Bsdf *b, V3 wo)
 {
     const Conductor *c = of(b);
-    return rgb_scale(fresnel(c, f_min(fabsf(wo.z), 1.0f)), ggx_albedo(c->facets, wo.z));
+    return rgb_scale(fresnel(c, ggx_bounding_cos(c->facets, wo)), ggx_albedo(c->facets, wo));
 }
 
 static int peaks(const Bsdf *b, V3 wo, V3 peak[16]) { return ggx_peaks(of(b)->facets, wo, peak); }

@@ -90,7 +90,7 @@ static const OptDef options[] = {
 const BsdfKind bsdf_dielectric = {
     .info = { "dielectric", "Born99 1.5.2; Veach97 5.2; GIRT (2.14), (2.16)",
               "smooth glass or water: reflects and refracts", options },
-    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR,
+    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR | BSDF_LOBES,
     .setup = setup, .eval = bsdf_eval_none, .pdf_w = bsdf_pdf_none,
     .sample = sample, .albedo = albedo, .peaks = peaks
 };

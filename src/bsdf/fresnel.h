@@ -49,6 +49,7 @@ INLINE float fresnel_conductor(double c, double eta, double k)
     if (!(sum + cross > 0.0))                                   /* c = 0 and no contrast */
         return 1.0f;
     rs = (sum - cross) / (sum + cross);
+    rs = rs > 0.0 ? rs : 0.0;                                   /* rounding, where none is reflected */
     p_sum = c2 * size + s2 * s2;
     p_cross = cross * s2;
     if (!(p_sum + p_cross > 0.0))                               /* s = 0: both alike */

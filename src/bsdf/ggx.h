@@ -82,7 +82,9 @@ INLINE V3 ggx_sample_normal(Ggx g, V3 wo, V2 u)
     V2 p = warp_disk_concentric(u);
 
     /* Seen from straight above any direction will do; 1e-30 keeps the quotient accurate. */
-    s = l2 > 1e-30f ? (V3){ -v.y / l, v.x / l, 0.0f } : (V3){ 1.0f, 0.0f, 0.0f };
+    s = v3(1.0f, 0.0f, 0.0f);
+    if (l2 > 1e-30f)
+        s = v3(-v.y / l, v.x / l, 0.0f);
     t = v_cross(v, s);
     p.y = (1.0f - half) * sqrtf(f_max(0.0f, 1.0f - p.x * p.x)) + half * p.y;
     m = v_scale(v, sqrtf(f_max(0.0f, 1.0f - p.x * p.x - p.y * p.y)));
@@ -97,12 +99,29 @@ INLINE V3 ggx_sample(Ggx g, V3 wo, V2 u)
     return v_unit(v_mad(m, 2.0f * v_dot(wo, m), v_neg(wo)));
 }
 
-/* Albedo for light from a direction of this cosine if facets reflected all; an estimate, within 0.12
- * of the integral. (What is lost was reflected downwards or met another facet.) */
-INLINE float ggx_albedo(Ggx g, float cosine)
+/* ---- albedos: estimates in closed form, as there is none of the integral ---- */
+
+/* Albedo for light along w if facets reflected all, within 0.12 for equal alphas. (What is lost was
+ * reflected downwards or met another facet.) */
+INLINE float ggx_albedo(Ggx g, V3 w)
 {
-    float a2 = g.ax * g.ay;
-    return 1.0f - 1.75f * a2 / (1.0f + 1.5f * a2) * sqrtf(f_min(fabsf(cosine), 1.0f));
+    float a2 = 0.5f * (g.ax * g.ax + g.ay * g.ay);
+    return 1.0f - 1.75f * a2 / (1.0f + 1.5f * a2) * sqrtf(f_min(fabsf(w.z), 1.0f));
+}
+
+/* A cosine c' at which Fresnel's reflectance of a dielectric, of index in [1.1, 3], is at least the
+ * albedo of these facets for light along w, up to 1e-4 (the tests check it):
+ *   c'^2 = c^2 (1 - 0.45 alpha) + 1.25 a^2 / (1 + 12.4 a^2) max(0, 1 - c^2 / (3.74 a)),
+ * alpha the larger of the two, a the blend of both by the squares of w's direction in the plane.
+ * The first term makes up for the convexity of F, the second says that facets turn towards grazing
+ * eyes. The coefficients are ours, the best of a search under that condition. */
+INLINE float ggx_bounding_cos(Ggx g, V3 w)
+{
+    float x2 = w.x * w.x, y2 = w.y * w.y, c2 = w.z * w.z, alpha = f_max(g.ax, g.ay);
+    float a = x2 + y2 > 0.0f ? (g.ax * x2 + g.ay * y2) / (x2 + y2) : alpha, lift = 0.0f;
+    if (a > 0.0f)
+        lift = 1.25f * a * a / (1.0f + 12.4f * a * a) * f_max(0.0f, 1.0f - c2 / (3.74f * a));
+    return sqrtf(f_min(c2 * (1.0f - 0.45f * alpha) + lift, 1.0f));
 }
 
 /* Directions where reflection is strong: the mirrored one and, if the facets spread much further
@@ -122,7 +141,7 @@ INLINE int ggx_peaks(Ggx g, V3 wo, V3 *peak)
         m_sincos_turn((float)i / 16.0f, &s, &c);
         s *= wo.z < 0.0f ? -radius : radius;
         c *= radius;
-        peak[1 + i] = along_x ? (V3){ c, r.y, s } : (V3){ r.x, c, s };
+        peak[1 + i] = v3(along_x ? c : r.x, along_x ? r.y : c, s);
     }
     return 10;
 }

@@ -1,0 +1,690 @@
+/* test_bsdf.c -- every model of bsdfs[] samples what it states, keeps energy and reciprocity, and
+ * equals a naive twin of its formula. */
+#include "base/mem.h"
+#include "base/random.h"
+#include "bsdf/bsdf.h"
+#include "bsdf/fresnel.h"
+#include "bsdf/ggx.h"
+#include "sampling/warp.h"
+#include "test/chi2.h"
+#include "test/test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what is tested: models with parameters, directions ---- */
+
+typedef struct { const char *kind, *options; } Case;
+
+/* A kind that is not here is tested with its defaults. */
+static const Case cases[] = {
+    { "diffuse", "reflectance=1" },
+    { "diffuse", "reflectance=0.9/0.2/0" },
+    { "phong", "reflectance=0,specular=1,exponent=0" },
+    { "phong", "reflectance=0,specular=1,exponent=1" },
+    { "phong", "reflectance=0.5,specular=0.5/0.2/0.4,exponent=10" },
+    { "phong", "reflectance=0,specular=1,exponent=100" },
+    { "phong", "reflectance=0.3/0/0.1,specular=0.7,exponent=1000" },
+    { "phong", "reflectance=0.9/0.8/1,specular=0.9,exponent=30.5" },     /* more than 1 */
+    { "mirror", "reflectance=0.8/0.9/1" },
+    { "dielectric", "eta=1.5" },
+    { "dielectric", "eta=0.75,reflectance=0.5/1/0.2,transmittance=0.3/0.9/1" },
+    { "conductor", "roughness=1,reflectance=1" },
+    { "conductor", "roughness=0.25" },
+    { "conductor", "roughness=0.05,remaproughness=false,reflectance=0.9/0.5/0.1" },
+    { "conductor", "uroughness=0.7,vroughness=0.1,remaproughness=false" },
+    { "conductor", "uroughness=0.03,vroughness=0.5,remaproughness=false,eta=1.5,k=0" },
+    { "conductor", "roughness=0.02,remaproughness=false,reflectance=1" },
+    { "conductor", "roughness=0,eta=0.2/0.9/1.1,k=3.9/2.4/2.1" },
+    { "coateddiffuse", "reflectance=1,roughness=0" },
+    { "coateddiffuse", "reflectance=1,roughness=1" },
+    { "coateddiffuse", "reflectance=0.8/0.2/0,roughness=0.1,eta=1.3" },
+    { "coateddiffuse", "reflectance=0.5,roughness=0.05,remaproughness=false,eta=2.5" },
+    { "coateddiffuse", "reflectance=1,uroughness=0.6,vroughness=0.1,remaproughness=false" },
+    { "coateddiffuse", "reflectance=0,roughness=0.3,remaproughness=false" },
+};
+enum { NCASES = sizeof cases / sizeof *cases, NWO = 8, MOST = 64 };
+
+typedef struct { Bsdf b; char name[200]; } Model;
+
+static void model_make(Model *m, const char *kind, const char *options)
+{
+    Arena arena = { 0 };
+    Opts o;
+    Rgb value[OPT_MAX] = { { 0 } };
+    const BsdfKind *k = kind_find(bsdfs, kind);
+
+    REQUIRE(k, "no model %s", kind);
+    opts_default(&o, k->info.options);
+    REQUIRE(opts_parse(&o, kind, options, &arena), "options of %s", kind);
+    for (int i = 0; o.defs && o.defs[i].key; i++)
+        value[i] = o.defs[i].type == OPT_RGB ? o.value[i].rgb : rgb_all((float)o.value[i].num);
+    arena_clear(&arena);
+    m->b.kind = k;
+    k->setup(&m->b, value);
+    snprintf(m->name, sizeof m->name, "%s:%s", kind, options);
+}
+
+/* All cases, and the defaults of kinds that have none. */
+static int models_make(Model *m)
+{
+    int n = 0;
+    for (; n < NCASES; n++)
+        model_make(&m[n], cases[n].kind, cases[n].options);
+    for (int k = 0; bsdfs[k]; k++) {
+        bool have = false;
+        for (int i = 0; i < NCASES; i++)
+            have = have || !strcmp(cases[i].kind, bsdfs[k]->info.name);
+        if (!have && n < MOST)
+            model_make(&m[n++], bsdfs[k]->info.name, "");
+    }
+    return n;
+}
+
+/* From the normal to 89.9 degrees, one from below. */
+static V3 wo_of(int k)
+{
+    static const float theta[NWO] = { 0, 20, 45, 60, 75, 85, 89.9f, 130 };
+    float t = theta[k] * PI_F / 180.0f, phi = 0.7f + (float)k;
+    return v_unit(v3(m_sin(t) * m_cos(phi), m_sin(t) * m_sin(phi), k ? m_cos(t) : 1.0f));
+}
+
+static V2 unit2(Rng *rng)
+{
+    float x = rng_unit(rng);
+    return (V2){ x, rng_unit(rng) };
+}
+
+static V3 any_direction(Rng *rng) { return v_unit(warp_sphere(unit2(rng))); }
+
+static bool is_delta(const Model *m)
+{
+    return !(m->b.kind->flags & BSDF_SMOOTH);
+}
+
+/* True if the two agree to `part` of the larger. */
+static bool close(double a, double b, double part)
+{
+    return fabs(a - b) <= part * (fabs(a) > fabs(b) ? fabs(a) : fabs(b));
+}
+static bool close_rgb(Rgb a, Rgb b, double part)
+{
+    double most = rgb_max(a) > rgb_max(b) ? rgb_max(a) : rgb_max(b);
+    return fabs(a.r - b.r) <= part * most && fabs(a.g - b.g) <= part * most &&
+           fabs(a.b - b.b) <= part * most;
+}
+
+static Rgb eval(const Model *m, V3 wo, V3 wi) { return m->b.kind->eval(&m->b, wo, wi, false); }
+static float pdf_w(const Model *m, V3 wo, V3 wi) { return m->b.kind->pdf_w(&m->b, wo, wi); }
+
+static bool sample(const Model *m, V3 wo, Rng *rng, BsdfSample *s)
+{
+    float lobe = rng_unit(rng);
+    return m->b.kind->sample(&m->b, wo, lobe, unit2(rng), false, s);
+}
+
+/* ---- S6: the sampler against its density ---- */
+
+typedef struct { const Model *m; V3 wo; } View;
+
+static bool draw(const void *of, Rng *rng, V3 *w)
+{
+    const View *v = of;
+    BsdfSample s;
+    if (!sample(v->m, v->wo, rng, &s) || (s.flags & BSDF_SPECULAR))
+        return false;
+    *w = s.wi;
+    return true;
+}
+static double density(const void *of, V3 w)
+{
+    const View *v = of;
+    return pdf_w(v->m, v->wo, w);
+}
+
+static void check_chi2(int from, int step, uint64_t draws)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    for (int i = from; i < n * NWO; i += step) {
+        View v = { &m[i / NWO], wo_of(i % NWO) };
+        char what[300];
+        if (is_delta(v.m))
+            continue;
+        snprintf(what, sizeof what, "%s from direction %d", v.m->name, i % NWO);
+        chi2_expect(&(Chi2){ draw, density, &v, .draws = draws, .seed = (uint64_t)i }, what);
+    }
+}
+
+/* In parts, for more processors and shorter cases. */
+static void test_chi2_0(void) { check_chi2(0, 4, 600000); }
+static void test_chi2_1(void) { check_chi2(1, 4, 600000); }
+static void test_chi2_2(void) { check_chi2(2, 4, 600000); }
+static void test_chi2_3(void) { check_chi2(3, 4, 600000); }
+static void test_chi2_long_0(void) { check_chi2(0, 2, 20000000); }
+static void test_chi2_long_1(void) { check_chi2(1, 2, 20000000); }
+
+/* Each sample: its density is what pdf_w says, its weight f cos / pdf, its direction unit and on the
+ * side its flags say; refused or not, nothing is NaN. */
+static void test_samples_agree(void)
+{
+    static Model m[MOST];
+    int n = models_make(m), draws = test_is_long() ? 1000000 : 20000;
+    for (int i = 0; i < n; i++) {
+        Rng rng = rng_seed((uint64_t)i);
+        for (int k = 0; k < draws; k++) {
+            V3 wo = k % 2 ? wo_of(k / 2 % NWO) : any_direction(&rng);
+            BsdfSample s;
+            Rgb want;
+            float pdf;
+            if (!sample(&m[i], wo, &rng, &s))
+                continue;
+            EXPECT(fabsf(v_len(s.wi) - 1.0f) < 2e-6f, "%s: length %.9g", m[i].name, v_len(s.wi));
+            EXPECT(same_side(wo, s.wi) == !(s.flags & BSDF_TRANSMIT), "%s: side", m[i].name);
+            EXPECT((s.flags & ~m[i].b.kind->flags) == 0, "%s: flags %d", m[i].name, s.flags);
+            EXPECT((s.flags & BSDF_TRANSMIT) || s.eta == 1.0f, "%s: eta %g", m[i].name, s.eta);
+            if (s.flags & BSDF_SPECULAR) {
+                EXPECT(s.pdf_w == 0.0f, "%s: density of a delta", m[i].name);
+                continue;
+            }
+            pdf = pdf_w(&m[i], wo, s.wi);
+            want = rgb_scale(eval(&m[i], wo, s.wi), fabsf(s.wi.z) / pdf);
+            EXPECT(close(s.pdf_w, pdf, 1e-5), "%s: sampled with %.9g, pdf_w %.9g", m[i].name, s.pdf_w,
+                   pdf);
+            EXPECT(close_rgb(s.weight, want, 1e-5), "%s: weight %.9g %.9g %.9g, f cos / pdf %.9g %.9g "
+                   "%.9g", m[i].name, s.weight.r, s.weight.g, s.weight.b, want.r, want.g, want.b);
+        }
+    }
+}
+
+/* Who does not say BSDF_LOBES makes no use of the number that chooses. */
+static void test_lobes(void)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < NWO && !(m[i].b.kind->flags & BSDF_LOBES); k++) {
+            BsdfSample s, t;
+            V2 u = { 0.3f, 0.6f };
+            bool a = m[i].b.kind->sample(&m[i].b, wo_of(k), 0.0f, u, false, &s);
+            bool b = m[i].b.kind->sample(&m[i].b, wo_of(k), ONE_MINUS_ULP, u, false, &t);
+            EXPECT(a == b && (!a || v_len(v_sub(s.wi, t.wi)) == 0.0f), "%s chooses", m[i].name);
+        }
+}
+
+/* ---- S7: integrals ---- */
+
+static double f_cos(const void *of, V3 w)
+{
+    const View *v = of;
+    Rgb f = eval(v->m, v->wo, w);
+    return ((double)f.r + f.g + f.b) / 3.0 * fabsf(w.z);
+}
+
+static double mean_of(Rgb c) { return ((double)c.r + c.g + c.b) / 3.0; }
+
+/* The delta part of the albedo: what specular samples bring on average, by a fine grid of lobes. */
+static double delta_albedo(const Model *m, V3 wo)
+{
+    enum { GRID = 20000 };
+    double sum = 0.0;
+    for (int k = 0; k < GRID; k++) {
+        BsdfSample s;
+        float lobe = ((float)k + 0.5f) / GRID;
+        if (m->b.kind->sample(&m->b, wo, lobe, (V2){ 0.3f, 0.6f }, true, &s) &&
+            (s.flags & BSDF_SPECULAR))
+            sum += mean_of(s.weight);
+    }
+    return sum / GRID;
+}
+
+static double albedo_of(const Model *m, V3 wo)
+{
+    View v = { m, wo };
+    double smooth = is_delta(m) ? 0.0 : chi2_integral(f_cos, &v, false, 32, 64);
+    return smooth + (m->b.kind->flags & BSDF_SPECULAR ? delta_albedo(m, wo) : 0.0);
+}
+
+/* Integral of f cos against 1, against the mean weight of samples, and albedo() against it: that is
+ * an estimate, and roulette is well served if it is right to a quarter. */
+static void test_albedo(void)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < NWO; k++) {
+            enum { DRAWS = 20000 };
+            V3 wo = wo_of(k);
+            double a = albedo_of(&m[i], wo), said = mean_of(m[i].b.kind->albedo(&m[i].b, wo));
+            double sum = 0.0, sum2 = 0.0, error;
+            Rng rng = rng_seed((uint64_t)k);
+            EXPECT(a <= 1.0 + 1e-4, "%s from %d: albedo %.6f", m[i].name, k, a);
+            EXPECT(fabs(said - a) <= 0.25, "%s from %d: albedo() %.3f, is %.3f", m[i].name, k, said, a);
+            for (int d = 0; d < DRAWS; d++) {
+                BsdfSample s;
+                float lobe = rng_unit(&rng);
+                double w = m[i].b.kind->sample(&m[i].b, wo, lobe, unit2(&rng), true, &s)
+                           ? mean_of(s.weight) : 0.0;
+                sum += w;
+                sum2 += w * w;
+            }
+            error = sqrt(f_max(0.0f, (float)(sum2 / DRAWS - (sum / DRAWS) * (sum / DRAWS))) / DRAWS);
+            EXPECT(fabs(sum / DRAWS - a) <= 5.6 * error + 2e-4, "%s from %d: samples bring %.5f, "
+                   "the integral is %.5f", m[i].name, k, sum / DRAWS, a);
+        }
+}
+
+/* Energy over a grid of roughness, index and direction, white: at most 1 + 1e-4. */
+static void check_energy(const char *kind, const char *format, int nwo, int nrough, int nior)
+{
+    static Model m;
+    for (int r = 0; r < nrough; r++)
+        for (int e = 0; e < nior; e++) {
+            /* alpha from 0.01 to 1, dense at the small end; eta from 1.1 to 3 */
+            double alpha = 0.01 + 0.99 * r * r / ((nrough - 1.0) * (nrough - 1.0));
+            double eta = 1.1 + 1.9 * e * e / ((nior - 1.0) * (nior - 1.0));
+            char options[200];
+            snprintf(options, sizeof options, format, (int)(alpha * 1e6), (int)(eta * 1e6));
+            model_make(&m, kind, options);
+            for (int k = 0; k < nwo; k++) {
+                float c = ((float)k + 0.3f) / (float)nwo;       /* the first one grazes */
+                float a = (float)(k % 5) * 0.4f, sine = sqrtf(1.0f - c * c);    /* to 90 degrees */
+                V3 wo = v3(sine * m_cos(a), sine * m_sin(a), c);
+                View v = { &m, wo };
+                double sum = chi2_integral(f_cos, &v, false, 32, 64);
+                EXPECT(sum <= 1.0 + 1e-4, "%s, cosine %g: albedo %.6f", m.name, c, sum);
+            }
+        }
+}
+
+static void test_energy(void)
+{
+    bool all = test_is_long();
+    check_energy("coateddiffuse", "reflectance=1,remaproughness=off,roughness=%de-6,eta=%de-6",
+                 all ? 64 : 8, all ? 16 : 6, all ? 8 : 4);
+    check_energy("coateddiffuse",
+                 "reflectance=1,remaproughness=off,uroughness=%de-6,eta=%de-6,vroughness=0.1",
+                 all ? 64 : 6, all ? 16 : 4, all ? 8 : 3);
+    check_energy("conductor", "reflectance=1,remaproughness=off,roughness=%de-6", all ? 64 : 6,
+                 all ? 16 : 5, 2);
+    check_energy("conductor", "reflectance=1,remaproughness=off,uroughness=%de-6,vroughness=0.3",
+                 all ? 64 : 6, all ? 16 : 5, 2);
+}
+
+/* A white base under a smooth coat: nothing is lost. What the quadrature in setup keeps back for
+ * safety is at most 2e-4. */
+static void test_smooth_coat_is_white(void)
+{
+    static Model m;
+    for (int e = 0; e < 6; e++) {
+        char options[100];
+        snprintf(options, sizeof options, "reflectance=1,roughness=0,eta=%g", 1.1 + 0.37 * e);
+        model_make(&m, "coateddiffuse", options);
+        for (int k = 0; k < NWO; k++) {
+            double a = albedo_of(&m, wo_of(k));
+            EXPECT(fabs(a - 1.0) < 2e-4, "%s from %d: albedo %.6f", m.name, k, a);
+        }
+    }
+}
+
+/* f(wo, wi) = f(wi, wo), and the same from below as from above. */
+static void test_reciprocity(void)
+{
+    static Model m[MOST];
+    int n = models_make(m), pairs = test_is_long() ? 1000000 : 200000;
+    for (int i = 0; i < n; i++) {
+        Rng rng = rng_seed(300 + (uint64_t)i);
+        for (int k = 0; k < pairs && !is_delta(&m[i]); k++) {
+            V3 wo = any_direction(&rng), wi = any_direction(&rng);
+            Rgb f, g;
+            wi.z = wi.z * wo.z < 0.0f && k % 16 ? -wi.z : wi.z;
+            f = eval(&m[i], wo, wi);
+            g = eval(&m[i], wi, wo);
+            EXPECT(close_rgb(f, g, 1e-5), "%s: f %.9g one way, %.9g the other", m[i].name, f.r, g.r);
+            wo.z = -wo.z;
+            wi.z = -wi.z;
+            g = eval(&m[i], wo, wi);
+            EXPECT(close_rgb(f, g, 1e-6), "%s: f %.9g on one side, %.9g on the other", m[i].name,
+                   f.r, g.r);
+        }
+    }
+}
+
+/* Directions that graze to any degree and numbers at the ends of [0,1): all stays finite, weights
+ * are not negative, and no direction is below the surface by mistake. */
+static void test_edges(void)
+{
+    static const float tiny[] = { 0.0f, 1e-45f, 1e-38f, 1e-30f, 1e-20f, 1e-10f, 1e-7f, 1e-4f, 1.0f };
+    static const float end[] = { 0.0f, 1e-30f, 0x1p-24f, 0.25f, 0.5f, 0.75f, ONE_MINUS_ULP };
+    static Model m[MOST];
+    int n = models_make(m);
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < 9 * 2 * 343; k++) {
+            float z = tiny[k % 9], phi = (float)(k % 7);
+            V3 wo = v_unit(v3(m_cos(phi), m_sin(phi), k / 9 % 2 ? z : -z));
+            V2 u = { end[k / 18 % 7], end[k / 126 % 7] };
+            BsdfSample s;
+            Rgb a = m[i].b.kind->albedo(&m[i].b, wo);
+            EXPECT(rgb_finite(a) && rgb_max(a) <= 1.0f + 1e-5f, "%s: albedo %g", m[i].name, a.r);
+            if (!m[i].b.kind->sample(&m[i].b, wo, end[k / 882 % 7], u, k % 2, &s))
+                continue;
+            EXPECT(v_finite(s.wi) && rgb_finite(s.weight) && is_finite(s.pdf_w) && is_finite(s.eta),
+                   "%s: not finite, z %g", m[i].name, wo.z);
+            EXPECT(s.weight.r >= 0.0f && s.weight.g >= 0.0f && s.weight.b >= 0.0f, "%s: weight < 0",
+                   m[i].name);
+            EXPECT((s.flags & BSDF_SPECULAR) ? s.pdf_w == 0.0f : s.pdf_w > 0.0f, "%s: pdf %g",
+                   m[i].name, s.pdf_w);
+        }
+        for (int k = 0; k < 81 * 4; k++) {
+            float zo = tiny[k % 9], zi = tiny[k / 9 % 9], phi = (float)(k / 81) * PI_F / 3.0f;
+            V3 wo = v_unit(v3(1, 0, zo)), wi = v_unit(v3(m_cos(phi), m_sin(phi), zi));
+            Rgb f = eval(&m[i], wo, wi);
+            EXPECT(rgb_finite(f) && f.r >= 0.0f && f.g >= 0.0f && f.b >= 0.0f, "%s: f %g at z %g %g",
+                   m[i].name, f.r, zo, zi);
+            EXPECT(is_finite(pdf_w(&m[i], wo, wi)), "%s: pdf at z %g %g", m[i].name, zo, zi);
+            wi.z = -1e-3f;
+            EXPECT(zo == 0.0f || pdf_w(&m[i], wo, wi) == 0.0f, "%s: passes the surface", m[i].name);
+        }
+    }
+}
+
+/* Textures may hand over anything: no albedo above 1, nothing that is not finite. */
+static void test_wild_parameters(void)
+{
+    static const float wild[] = { -1e30f, -1.0f, 0.0f, 1e-30f, 0.5f, 1.0f, 7.0f, 1e30f };
+    Rng rng = rng_seed(9);
+    for (int k = 0; bsdfs[k]; k++)
+        for (int i = 0; i < 2000; i++) {
+            Rgb value[OPT_MAX], a;
+            V3 wo = any_direction(&rng), wi = any_direction(&rng);
+            Model m = { { bsdfs[k], { { 0 } } }, "" };
+            BsdfSample s;
+            for (int o = 0; o < OPT_MAX; o++) {
+                value[o].r = wild[rng_below(&rng, 8)];
+                value[o].g = wild[rng_below(&rng, 8)];
+                value[o].b = wild[rng_below(&rng, 8)];
+            }
+            bsdfs[k]->setup(&m.b, value);
+            a = bsdfs[k]->albedo(&m.b, wo);
+            EXPECT(rgb_finite(a) && rgb_max(a) <= 1.0f + 1e-4f && a.r >= 0.0f, "%s: albedo %g %g %g",
+                   bsdfs[k]->info.name, a.r, a.g, a.b);
+            EXPECT(rgb_finite(eval(&m, wo, wi)) && is_finite(pdf_w(&m, wo, wi)), "%s: f",
+                   bsdfs[k]->info.name);
+            if (sample(&m, wo, &rng, &s))
+                EXPECT(rgb_finite(s.weight) && v_finite(s.wi), "%s: sample", bsdfs[k]->info.name);
+        }
+}
+
+/* ---- peaks ---- */
+
+static void test_peaks(void)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    Model rough;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < NWO; k++) {
+            V3 wo = wo_of(k), peak[16];
+            int count = m[i].b.kind->peaks(&m[i].b, wo, peak);
+            EXPECT(count >= 1 && count <= 16, "%s: %d peaks", m[i].name, count);
+            for (int p = 0; p < count; p++)
+                EXPECT(fabsf(v_len(peak[p]) - 1.0f) < 1e-5f, "%s: peak of length %g", m[i].name,
+                       v_len(peak[p]));
+            for (int p = 0; p < count && !(m[i].b.kind->flags & BSDF_TRANSMIT); p++)
+                EXPECT(peak[p].z * wo.z >= -1e-6f, "%s: peak on the far side", m[i].name);
+        }
+
+    /* Facets spread along x: reflected directions keep their y, and so do the peaks. */
+    model_make(&rough, "conductor", "uroughness=0.7,vroughness=0.01,remaproughness=false");
+    for (int k = 1; k < 5; k++) {
+        V3 wo = wo_of(k), peak[16];
+        int count = rough.b.kind->peaks(&rough.b, wo, peak), near = 0, all = 0;
+        Rng rng = rng_seed(3);
+        EXPECT(count == 10, "%d peaks of an anisotropic metal", count);
+        for (int d = 0; d < 1000; d++) {
+            BsdfSample s;
+            float best = 0.0f;
+            if (!sample(&rough, wo, &rng, &s))
+                continue;
+            for (int p = 0; p < count; p++) {
+                V3 q = peak[p];         /* nearest peak; they are pi/8 apart along the cone */
+                best = f_max(best, v_dot(q, s.wi));
+            }
+            all++;
+            near += best > 0.97f;       /* cos of a bit more than half of that */
+        }
+        EXPECT(near > 0.95 * all, "direction %d: %d of %d samples are near a peak", k, near, all);
+    }
+}
+
+/* ---- naive twins ---- */
+
+/* Reflectance of a metal by complex arithmetic, from the textbook. */
+static double metal_twin(double c, double eta, double k)
+{
+    double re = eta * eta - k * k - (1.0 - c * c), im = 2.0 * eta * k;
+    double size = sqrt(sqrt(re * re + im * im)), half = 0.5 * md_atan2(im, re);
+    double a = size * md_cos(half), b = size * md_sin(half);            /* sqrt(n^2 - sin^2) */
+    double nr = eta * eta - k * k, ni = 2.0 * eta * k;                  /* n^2 */
+    double s = ((c - a) * (c - a) + b * b) / ((c + a) * (c + a) + b * b);
+    double xr = nr * c - a, xi = ni * c - b, yr = nr * c + a, yi = ni * c + b;
+    return 0.5 * (s + (xr * xr + xi * xi) / (yr * yr + yi * yi));
+}
+
+static void test_fresnel(void)
+{
+    Rng rng = rng_seed(21);
+    for (int i = 0; i < 1000000; i++) {
+        double c = rng_unit(&rng), eta = 0.3 + 3.0 * rng_unit(&rng), k = 5.0 * rng_unit(&rng);
+        double t = refract_cos(c, eta), R = fresnel_with(c, t, eta), T = 0.0;
+        if (t > 0.0) {                  /* transmitted power, from its own amplitudes */
+            double ts = 2.0 * c / (c + eta * t), tp = 2.0 * c / (eta * c + t);
+            T = eta * t / c * 0.5 * (ts * ts + tp * tp);
+        }
+        /* 4 ulp, of each of R and T: in grazing T the quotient t/c is as good as c */
+        EXPECT(fabs(R + T - 1.0) <= 8.0 * 0x1p-52, "R + T = 1 + %g", R + T - 1.0);
+        EXPECT(fabs(fresnel_conductor(c, eta, k) - metal_twin(c, eta, k)) < 1e-6, "metal %g, %g",
+               (double)fresnel_conductor(c, eta, k), metal_twin(c, eta, k));
+        EXPECT(eta < 1.0 || fabs(fresnel_conductor(c, eta, 0.0) - R) < 1e-6, "k = 0: %g, %g",
+               (double)fresnel_conductor(c, eta, 0.0), R);
+    }
+    EXPECT(fabs(fresnel_dielectric(1.0, 1.5) - 0.04) < 1e-15, "glass head on");
+    EXPECT(fresnel_dielectric(0.5, 1.0 / 1.5) == 1.0 && fresnel_dielectric(0.0, 1.5) == 1.0, "total");
+    EXPECT(fresnel_dielectric(0.3, 1.0) < 1e-30, "no interface");
+}
+
+/* D, G2 and F as they stand in the papers, in double. */
+static double ggx_twin(double ax, double ay, V3 o, V3 i)
+{
+    double x = (double)o.x + i.x, y = (double)o.y + i.y, z = (double)o.z + i.z;
+    double l = sqrt(x * x + y * y + z * z), lo, li, e;
+    x /= l, y /= l, z /= l;
+    e = (x * x / (ax * ax) + y * y / (ay * ay)) / (z * z) + 1.0;
+    lo = (ax * ax * o.x * o.x + ay * ay * o.y * o.y) / ((double)o.z * o.z);
+    li = (ax * ax * i.x * i.x + ay * ay * i.y * i.y) / ((double)i.z * i.z);
+    lo = 0.5 * (sqrt(1.0 + lo) - 1.0);
+    li = 0.5 * (sqrt(1.0 + li) - 1.0);
+    return 1.0 / (PI * ax * ay * z * z * z * z * e * e) / (1.0 + lo + li) / (4.0 * o.z * i.z);
+}
+
+static double half_cos(V3 o, V3 i)
+{
+    double x = (double)o.x + i.x, y = (double)o.y + i.y, z = (double)o.z + i.z;
+    return (o.x * x + o.y * y + o.z * z) / sqrt(x * x + y * y + z * z);
+}
+
+static void test_twins(void)
+{
+    static Model phong, metal, coat;
+    Rng rng = rng_seed(31);
+    double Tm = 0.0;
+
+    model_make(&phong, "phong", "reflectance=0.5,specular=0.25,exponent=20");
+    model_make(&metal, "conductor",
+               "uroughness=0.5,vroughness=0.2,remaproughness=false,eta=0.2,k=3.9");
+    model_make(&coat, "coateddiffuse", "reflectance=0.6,roughness=0,eta=1.5");
+    for (int k = 0; k < 100000; k++) {          /* midpoints: 1e-9 */
+        double c = (k + 0.5) / 100000;
+        Tm += 2.0 * c * (1.0 - fresnel_dielectric(c, 1.5)) / 100000;
+    }
+    for (int k = 0; k < 100000; k++) {
+        V3 wo = above(any_direction(&rng)), wi = above(any_direction(&rng)), r = { -wo.x, -wo.y, wo.z };
+        double a = v_dot(r, wi), want, fo, fi;
+
+        want = 0.5 / PI + (a > 0.0 ? 0.25 * 22.0 / (2.0 * PI) * md_pow(a, 20.0) : 0.0);
+        EXPECT(close(eval(&phong, wo, wi).r, want, 2e-5), "phong %g, twin %g", eval(&phong, wo, wi).r,
+               want);
+        if (wo.z < 1e-4f || wi.z < 1e-4f)
+            continue;
+        want = ggx_twin(0.5, 0.2, wo, wi) * metal_twin(half_cos(wo, wi), 0.2, 3.9);
+        EXPECT(close(eval(&metal, wo, wi).r, want, 1e-4), "metal %g, twin %g", eval(&metal, wo, wi).r,
+               want);
+        fo = fresnel_dielectric(wo.z, 1.5);
+        fi = fresnel_dielectric(wi.z, 1.5);
+        want = (1.0 - fo) * (1.0 - fi) * 0.6 / PI / (2.25 * (1.0 - 0.6 * (1.0 - Tm / 2.25)));
+        EXPECT(close(eval(&coat, wo, wi).r, want, 2e-4), "coat %g, twin %g", eval(&coat, wo, wi).r,
+               want);
+    }
+}
+
+/* The options of the metal: a colour comes back head on, roughness is squared, -1 is copper. */
+static void test_conductor_options(void)
+{
+    Model m;
+    BsdfSample s;
+    V3 up = { 0, 0, 1 };
+    model_make(&m, "conductor", "reflectance=0.9/0.5/0.1");
+    EXPECT(m.b.kind->sample(&m.b, up, 0.5f, (V2){ 0.5f, 0.5f }, false, &s), "no sample");
+    EXPECT(fabsf(s.weight.r - 0.9f) < 1e-5f && fabsf(s.weight.g - 0.5f) < 1e-5f &&
+           fabsf(s.weight.b - 0.1f) < 1e-5f, "colour %g %g %g", s.weight.r, s.weight.g, s.weight.b);
+    EXPECT(s.flags == (BSDF_REFLECT | BSDF_SPECULAR) && s.wi.z == 1.0f, "polished");
+    model_make(&m, "conductor", "");
+    EXPECT(m.b.kind->sample(&m.b, up, 0.5f, (V2){ 0.5f, 0.5f }, false, &s), "no sample");
+    EXPECT(s.weight.r > 0.9f && s.weight.r > 1.3f * s.weight.b, "copper is red");
+    model_make(&m, "conductor", "roughness=0.25,eta=1,k=2");
+    EXPECT(close(eval(&m, up, up).r, 0.5 / (PI * 0.25 * 4.0), 1e-5), "alpha is not sqrt(0.25)");
+    model_make(&m, "conductor", "roughness=0.25,eta=1,k=2,remaproughness=false");
+    EXPECT(close(eval(&m, up, up).r, 0.5 / (PI * 0.0625 * 4.0), 1e-5), "alpha is not 0.25");
+}
+
+/* ---- glass ---- */
+
+/* Snell's law, the way back, and the factor between radiance and importance. */
+static void test_refraction(void)
+{
+    Rng rng = rng_seed(41);
+    int refracted = 0;
+    for (int k = 0; k < 1000000; k++) {
+        Rgb value[3] = { rgb_all(0.4f + 2.0f * rng_unit(&rng)), rgb_all(1), rgb_all(1) };
+        V3 wo = any_direction(&rng);
+        float lobe = rng_unit(&rng);
+        double n1 = wo.z > 0 ? 1.0 : value[0].r, n2 = wo.z > 0 ? value[0].r : 1.0, s1, s2;
+        BsdfSample s, back, particle;
+        Bsdf b = { bsdfs[0], { { 0 } } };
+        const BsdfKind *glass = kind_find(bsdfs, "dielectric");
+
+        glass->setup(&b, value);
+        if (!glass->sample(&b, wo, lobe, unit2(&rng), false, &s) || !(s.flags & BSDF_TRANSMIT))
+            continue;
+        refracted++;
+        s1 = sqrt((double)wo.x * wo.x + (double)wo.y * wo.y);
+        s2 = sqrt((double)s.wi.x * s.wi.x + (double)s.wi.y * s.wi.y);
+        EXPECT(fabs(n1 * s1 - n2 * s2) <= 4 * 0x1p-24 * n1 * s1 + 1e-12, "Snell: %g", n1 * s1 - n2 * s2);
+        EXPECT(close(s.eta, n2 / n1, 1e-6), "eta %g, not %g", s.eta, n2 / n1);
+        REQUIRE(glass->sample(&b, wo, lobe, unit2(&rng), true, &particle), "importance");
+        EXPECT(v_len(v_sub(s.wi, particle.wi)) == 0.0f, "the event depends on what is carried");
+        EXPECT(close(particle.weight.r, 1.0, 1e-6), "particle weight %g", particle.weight.r);
+        EXPECT(close(s.weight.r * s.eta * s.eta, 1.0, 1e-6), "radiance weight %g", s.weight.r);
+        /* lobe next to 1: the way back refracts too, and to where it came from */
+        REQUIRE(glass->sample(&b, s.wi, ONE_MINUS_ULP, unit2(&rng), false, &back), "no way back");
+        if (fabsf(wo.z) > 0.01f && fabsf(s.wi.z) > 0.01f) {
+            EXPECT(v_len(v_sub(back.wi, wo)) < 1e-4f, "came back by %g", v_len(v_sub(back.wi, wo)));
+            EXPECT(close(back.weight.r * s.weight.r, 1.0, 1e-5), "round trip %g",
+                   back.weight.r * s.weight.r);
+        }
+    }
+    EXPECT(refracted > 500000, "only %d refracted", refracted);
+}
+
+/* With tints: the events together bring F Kr + (1 - F) Kt, which albedo() states exactly. */
+static void test_glass_energy(void)
+{
+    Model m;
+    model_make(&m, "dielectric", "eta=1.5,reflectance=0.5/1/0.2,transmittance=0.3/0.9/1");
+    for (int k = 0; k < NWO; k++) {
+        V3 wo = wo_of(k);
+        double c = fabsf(wo.z), F = fresnel_dielectric(c, wo.z > 0 ? 1.5 : 1.0 / 1.5);
+        double want = F * 1.7 / 3.0 + (1.0 - F) * 2.2 / 3.0;
+        EXPECT(fabs(delta_albedo(&m, wo) - want) < 1e-4, "from %d: %g, not %g", k,
+               delta_albedo(&m, wo), want);
+        EXPECT(fabs(mean_of(m.b.kind->albedo(&m.b, wo)) - want) < 1e-6, "albedo() from %d", k);
+    }
+    for (int side = -1; side <= 1; side += 2) {         /* one tint black: the other event only */
+        BsdfSample s;
+        model_make(&m, "dielectric", side > 0 ? "reflectance=0" : "transmittance=0");
+        for (float lobe = 0.0f; lobe < 1.0f; lobe += 0.05f)
+            EXPECT(m.b.kind->sample(&m.b, wo_of(2), lobe, (V2){ 0, 0 }, false, &s) &&
+                   (s.flags & (side > 0 ? BSDF_TRANSMIT : BSDF_REFLECT)), "a black event is chosen");
+    }
+}
+
+/* ---- the same bits on every machine ---- */
+
+static uint64_t hash_floats(uint64_t h, const float *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+        memcpy(&bits, &x[i], sizeof bits);
+        h = key_with(h, bits);
+    }
+    return h;
+}
+
+/* A change of any model's results changes this number, and has to say so here. */
+static void test_same_bits(void)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    uint64_t h = 0;
+    for (int i = 0; i < NCASES && i < n; i++) {
+        Rng rng = rng_seed(500 + (uint64_t)i);
+        for (int k = 0; k < 2000; k++) {
+            V3 wo = any_direction(&rng), wi = any_direction(&rng);
+            Rgb f = eval(&m[i], wo, wi), a = m[i].b.kind->albedo(&m[i].b, wo);
+            float out[16] = { f.r, f.g, f.b, a.r, a.g, a.b, pdf_w(&m[i], wo, wi) };
+            BsdfSample s;
+            if (sample(&m[i], wo, &rng, &s)) {
+                float more[] = { s.wi.x, s.wi.y, s.wi.z, s.weight.r, s.weight.g, s.weight.b, s.pdf_w,
+                                 s.eta };
+                memcpy(out + 7, more, sizeof more);
+            }
+            h = hash_floats(h, out, 15);
+        }
+    }
+    EXPECT(h == 0xE2BBACC37B686946u, "hash %016llX", (unsigned long long)h);
+}
+
+const TestCase test_bsdf[] = {
+    { "same_bits", test_same_bits, false },
+    { "chi2_0", test_chi2_0, false },
+    { "chi2_1", test_chi2_1, false },
+    { "chi2_2", test_chi2_2, false },
+    { "chi2_3", test_chi2_3, false },
+    { "chi2_long_0", test_chi2_long_0, true },
+    { "chi2_long_1", test_chi2_long_1, true },
+    { "lobes", test_lobes, false },
+    { "samples_agree", test_samples_agree, false },
+    { "albedo", test_albedo, false },
+    { "energy", test_energy, false },
+    { "smooth_coat_is_white", test_smooth_coat_is_white, false },
+    { "reciprocity", test_reciprocity, false },
+    { "edges", test_edges, false },
+    { "wild_parameters", test_wild_parameters, false },
+    { "peaks", test_peaks, false },
+    { "fresnel", test_fresnel, false },
+    { "twins", test_twins, false },
+    { "conductor_options", test_conductor_options, false },
+    { "refraction", test_refraction, false },
+    { "glass_energy", test_glass_energy, false },
+    { NULL, NULL, false }
+};
