@@ -14,19 +14,19 @@ RUN = sh src/rules.sh "$(V)" "$(PORTABLE)" "$(CC)" "$(CFLAGS)" "$(LDFLAGS)" && \
       $(MAKE) -f build/$(V)/rules.mk
 
 all: rules
-	@$(RUN) build/$(V)/rushlight
+	+@$(RUN) build/$(V)/rushlight
 	@test "$(V)" != release || cp -p build/release/rushlight rushlight
 
 check: all
-	@$(RUN) build/$(V)/test
+	+@$(RUN) build/$(V)/test
 	@build/$(V)/test $(T)
 
 check-long: all
-	@$(RUN) build/$(V)/test
+	+@$(RUN) build/$(V)/test
 	@build/$(V)/test --long $(T)
 
 bench: all
-	@$(RUN) build/$(V)/bench
+	+@$(RUN) build/$(V)/bench
 	@build/$(V)/bench $(T)
 
 demo: all

@@ -63,7 +63,8 @@ fi
             folder = obj; sub(/\/[^\/]*$/, "", folder)
             print obj ": " file closure(file, "") " " dir "/flags.key"
             print "\t@mkdir -p " folder
-            print "\t" cc " " flags " -I. -c -o " obj " " file
+            print "\t@echo " cc " " file
+            print "\t@" cc " " flags " -I. -c -o " obj " " file
             if (file ~ /^src\/cli\/main\.c$/) main_o = obj
             else if (file ~ /^src\//) lib = lib " " obj
             else if (file ~ /^test\//) test = test " " obj
@@ -71,9 +72,9 @@ fi
         }
         link = cc " " flags " -o "
         end = " -lm -lpthread " ld
-        print dir "/rushlight:" lib " " main_o; print "\t" link dir "/rushlight" lib " " main_o end
-        print dir "/test:" lib test;            print "\t" link dir "/test" lib test end
-        print dir "/bench:" lib bench;          print "\t" link dir "/bench" lib bench end
+        print dir "/rushlight:" lib " " main_o; print "\t@echo linking " dir "/rushlight"; print "\t@" link dir "/rushlight" lib " " main_o end
+        print dir "/test:" lib test;            print "\t@echo linking " dir "/test"; print "\t@" link dir "/test" lib test end
+        print dir "/bench:" lib bench;          print "\t@echo linking " dir "/bench"; print "\t@" link dir "/bench" lib bench end
     }' $(ls src/*/*.h src/*/*.c test/*.h test/*.c bench/*.h bench/*.c 2>/dev/null)
 } > "$dir/rules.new"
 cmp -s "$dir/rules.new" "$dir/rules.mk" || mv "$dir/rules.new" "$dir/rules.mk"

@@ -235,7 +235,9 @@ bool out_close(Out *o)
     out_flush(o);
     if (!o->error && !o->direct && (faulty() || fsync(o->fd)) && errno != EINVAL)
         o->error = errno;
-    if ((faulty() | (close(o->fd) != 0)) && !o->error)
+    if (close(o->fd) && !o->error)              /* close in any case, then pretend */
+        o->error = errno;
+    if (faulty() && !o->error)
         o->error = errno;
     if (!o->error && !o->direct && (faulty() || rename(o->temporary, o->path)))
         o->error = errno;

@@ -80,7 +80,7 @@ static bool take_vertices(Geometry *g, Mesh *m)
 
 bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index, first = (uint32_t)g->ntris, first_vertex = (uint32_t)g->nverts;
+    uint32_t index = 0, first = (uint32_t)g->ntris, first_vertex = (uint32_t)g->nverts;
     Shape *s;
 
     if (m->nverts > UINT32_MAX - 1 - g->nverts ||
@@ -105,7 +105,7 @@ bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape
 
 bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index;
+    uint32_t index = 0;
     if (!add_shape(g, SHAPE_SPHERE, traits, &index))
         return false;
     g->shapes[index].as.sphere = *s;
@@ -116,7 +116,7 @@ bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint3
 
 bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index;
+    uint32_t index = 0;
     if (!add_shape(g, SHAPE_DISK, traits, &index))
         return false;
     g->shapes[index].as.disk = *d;
@@ -127,7 +127,7 @@ bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t 
 
 bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape)
 {
-    uint32_t index;
+    uint32_t index = 0;
     ShapeTraits traits = { 0, NO_LIGHT, false };
     Instance *in;
 
@@ -219,8 +219,9 @@ static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h
     s->p = weighted(a, b, c, w, u, v);
     s->err = v_scale(weighted(v_abs(a), v_abs(b), v_abs(c), w, u, v), ROUNDINGS(7));
     s->ng = v_unit(v_cross(v_sub(b, a), v_sub(c, a)));
-    s->uv = (V2){ u, v };
-    if (shape->uv) {
+    if (!shape->plain)
+        s->uv = (V2){ u, v };
+    if (shape->uv && !shape->plain) {
         const V2 *uv = shape->uv - shape->first_vertex;
         V2 p = uv[t->v[0]], q = uv[t->v[1]], r = uv[t->v[2]];
         s->uv.x = w * p.x + u * q.x + v * r.x;
@@ -241,17 +242,11 @@ static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h
         s->ng = s->ns = v_neg(s->ng);
 }
 
-static void sphere_surface(const Sphere *sp, const Shape *shape, const Ray *r, const Hit *h,
-                           Surface *s)
+static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
 {
-    V3 d = v_unit(v_sub(v_mad(r->d, h->t, r->o), sp->centre));
     V3 local = frame_in(&sp->frame, d);
     float phi = m_atan2(local.y, local.x);
 
-    /* Put back on the sphere: five roundings of the offset and one of the sum. */
-    s->p = v_mad(d, sp->radius, sp->centre);
-    s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
-    s->ng = s->ns = shape->flip ? v_neg(d) : d;
     if (phi < 0.0f)
         phi += 2.0f * PI_F;
     s->uv.x = phi / sp->phimax;
@@ -262,19 +257,32 @@ static void sphere_surface(const Sphere *sp, const Shape *shape, const Ray *r, c
     }
 }
 
+static void sphere_surface(const Sphere *sp, const Shape *shape, const Ray *r, const Hit *h,
+                           Surface *s)
+{
+    V3 d = v_unit(v_sub(v_mad(r->d, h->t, r->o), sp->centre));
+
+    /* Put back on the sphere: five roundings of the offset and one of the sum. */
+    s->p = v_mad(d, sp->radius, sp->centre);
+    s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
+    s->ng = s->ns = shape->flip ? v_neg(d) : d;
+    if (!shape->plain)
+        sphere_uv(sp, d, s);
+}
+
 static void disk_surface(const Disk *d, const Shape *shape, const Ray *r, const Hit *h, Surface *s)
 {
     V3 q = v_sub(v_mad(r->d, h->t, r->o), d->centre);
-    float x = v_dot(q, d->frame.s), y = v_dot(q, d->frame.t), rad = sqrtf(x * x + y * y);
-    float phi = m_atan2(y, x);
+    float x = v_dot(q, d->frame.s), y = v_dot(q, d->frame.t);
 
     s->p = v_mad(d->frame.s, x, v_mad(d->frame.t, y, d->centre));
     s->err = v_scale(v_add(v_all(d->radius), v_abs(d->centre)), ROUNDINGS(6));
     s->ng = s->ns = shape->flip ? v_neg(d->frame.n) : d->frame.n;
-    if (phi < 0.0f)
-        phi += 2.0f * PI_F;
-    s->uv.x = phi / d->phimax;
-    s->uv.y = d->radius > d->inner ? (d->radius - rad) / (d->radius - d->inner) : 0.0f;
+    if (!shape->plain) {
+        float phi = m_atan2(y, x), rad = sqrtf(x * x + y * y);
+        s->uv.x = (phi < 0.0f ? phi + 2.0f * PI_F : phi) / d->phimax;
+        s->uv.y = d->radius > d->inner ? (d->radius - rad) / (d->radius - d->inner) : 0.0f;
+    }
 }
 
 void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
@@ -283,6 +291,7 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
 
     s->shape = shape;
     s->prim = h->prim;
+    s->uv = (V2){ 0, 0 };
     switch (shape->kind) {
     case SHAPE_MESH:     triangle_surface(g, shape, h, s); break;
     case SHAPE_SPHERE:   sphere_surface(&shape->as.sphere, shape, r, h, s); break;

@@ -45,6 +45,7 @@ typedef struct {
     uint32_t  material;         /* index into the scene's materials */
     uint32_t  light;            /* index into the scene's lights, or NO_LIGHT */
     bool      flip;             /* the geometric normal is turned round (ReverseOrientation) */
+    bool      plain;            /* no texture looks at uv: surfaces leave it 0 */
     uint32_t  first_vertex;     /* meshes: n and uv start there */
     V3       *n;                /* owned; per vertex, unit or 0; NULL: none */
     V2       *uv;               /* owned; NULL: none */

@@ -6,6 +6,7 @@
  * Idea        Half-edges: number 3f + k runs from corner k of triangle f to the next one. The twin of
  *             each is found by sorting them by their end points. Around a vertex one walks
  *             counter-clockwise from triangle to triangle.
+ * Departs     The source's limit weight 1/5 at boundaries is not that of its rules 1/8, 3/4, 1/8.
  * Invariants  Twins run in opposite directions, and the triangles of a vertex form one fan or one
  *             ring: checked for the first mesh, and kept by each step. */
 #include "geometry/loop.h"
@@ -302,7 +303,8 @@ static V3 normal_of(const Ring *r)
                                      : v_all(0.0f);
 }
 
-/* Limit weight of each neighbour: 1 / (n + 3/(8 beta)); at a boundary 1/5. [PBRT3 3.8.3] */
+/* Limit weight of each neighbour: 1 / (n + 3/(8 beta)); at a boundary 1/6, that of cubic B-splines,
+ * which the boundary is. */
 static LoopResult to_limit(Mesh *m)
 {
     Topology t;
@@ -315,7 +317,7 @@ static LoopResult to_limit(Mesh *m)
         p[v] = m->p[v];
         if (t.start[v] != NONE) {
             Ring r = ring_of(&t, v);
-            p[v] = blend(m->p[v], &r, r.boundary ? 0.2 : 1 / (r.n + 3 / (8 * beta(r.n))));
+            p[v] = blend(m->p[v], &r, r.boundary ? 1.0 / 6 : 1 / (r.n + 3 / (8 * beta(r.n))));
             n[v] = normal_of(&r);
         }
     }

@@ -48,6 +48,8 @@ typedef struct {
     float ox, oy, oz;           /* the origin, permuted */
 } Probe;
 
+static const int NEXT_AXIS[3] = { 1, 2, 0 };
+
 INLINE Probe probe_of(const Ray *r)
 {
     Probe p;
@@ -59,9 +61,10 @@ INLINE Probe probe_of(const Ray *r)
     p.neg[0] = p.inv.x < 0.0f;
     p.neg[1] = p.inv.y < 0.0f;
     p.neg[2] = p.inv.z < 0.0f;
-    p.kz = a.x > a.y ? (a.x > a.z ? 0 : 2) : (a.y > a.z ? 1 : 2);
-    p.kx = p.kz == 2 ? 0 : p.kz + 1;
-    p.ky = p.kx == 2 ? 0 : p.kx + 1;
+    p.kz = a.y > a.x;                   /* no branches: they would be taken at random */
+    p.kz = a.z > f_max(a.x, a.y) ? 2 : p.kz;
+    p.kx = NEXT_AXIS[p.kz];
+    p.ky = NEXT_AXIS[p.kx];
     p.sz = (&p.inv.x)[p.kz];
     p.sx = c[p.kx] * p.sz;
     p.sy = c[p.ky] * p.sz;

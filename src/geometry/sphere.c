@@ -51,16 +51,16 @@ float sphere_cross(const Sphere *s, const Ray *r)
 {
     double dx = r->d.x, dy = r->d.y, dz = r->d.z;
     double lx = (double)s->centre.x - r->o.x, ly = (double)s->centre.y - r->o.y;
-    double lz = (double)s->centre.z - r->o.z, rad = s->radius;
-    double dd = dx * dx + dy * dy + dz * dz, b = (lx * dx + ly * dy + lz * dz) / dd;
+    double lz = (double)s->centre.z - r->o.z, r2 = (double)s->radius * s->radius;
+    double inv = 1.0 / (dx * dx + dy * dy + dz * dz), b = (lx * dx + ly * dy + lz * dz) * inv;
     double px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
-    double disc = rad * rad - (px * px + py * py + pz * pz), half, c, near, far;
+    double disc = r2 - (px * px + py * py + pz * pz), half, c, near, far;
     float t;
 
     if (!(disc >= 0))
         return 0.0f;
-    half = sqrt(disc / dd);
-    c = (lx * lx + ly * ly + lz * lz - rad * rad) / dd;    /* near * far, without cancellation */
+    half = sqrt(disc * inv);
+    c = (lx * lx + ly * ly + lz * lz - r2) * inv;       /* near * far, without cancellation */
     if (b >= 0) {
         far = b + half;
         near = far != 0 ? c / far : 0;

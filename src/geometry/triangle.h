@@ -35,78 +35,49 @@ INLINE Box triangle_box(V3 a, V3 b, V3 c)
     return (Box){ v_sub(lo, m), v_add(hi, m) };
 }
 
-/* Puts t between where the ray enters and leaves the box. False: it never does, or not within the
- * range of floats, where the tests of boxes could not tell entry from exit. */
-static inline bool hit_in_box(const Probe *p, Box box, float *t)
-{
-    float b[8] = { box.lo.x, box.lo.y, box.lo.z, 0, box.hi.x, box.hi.y, box.hi.z, 0 }, near, far;
+/* Puts t between where the ray enters and leaves the box. False: it never does. */
+bool hit_in_box(const Probe *p, Box box, float *t);
 
-    if (!slabs(p, b, INFINITY, &near, &far))
-        return false;
-    *t = *t < near ? near : *t > far ? far : *t;
-    return *t < INFINITY;
-}
-
-/* Bound of the absolute error of t, from the sheared coordinates a, b, c of the corners, the edge
- * functions e and 1/det: [PBRT4 6.8.7]. */
-static inline float triangle_t_error(V3 a, V3 b, V3 c, V3 e, float inv_det)
-{
-    float mx = f_max(fabsf(a.x), f_max(fabsf(b.x), fabsf(c.x)));
-    float my = f_max(fabsf(a.y), f_max(fabsf(b.y), fabsf(c.y)));
-    float mz = f_max(fabsf(a.z), f_max(fabsf(b.z), fabsf(c.z)));
-    float dx = ROUNDINGS(5) * (mx + mz), dy = ROUNDINGS(5) * (my + mz), dz = ROUNDINGS(3) * mz;
-    float de = 2.0f * (ROUNDINGS(2) * mx * my + dy * mx + dx * my);
-    float me = v_max3(v_abs(e));
-    return 3.0f * (ROUNDINGS(3) * me * mz + de * mz + dz * me) * fabsf(inv_det);
-}
-
-/* The edge functions in double: products of two floats are exact there. [Woop13 3.3] */
-static inline V3 triangle_edges_exact(V3 a, V3 b, V3 c)
-{
-    return v3((float)((double)c.x * b.y - (double)c.y * b.x),
-              (float)((double)a.x * c.y - (double)a.y * c.x),
-              (float)((double)b.x * a.y - (double)b.y * a.x));
-}
-
-/* The corner as the ray sees it: x, y across, z along it (in units of t). */
-INLINE V3 triangle_shear(const Probe *r, const V3 *p)
+/* The corner as the ray sees it: x, y across, z along it, in units of the direction's largest
+ * component (times r->sz: in units of t). */
+INLINE V3 triangle_across(const Probe *r, const V3 *p)
 {
     float z = v_pick(p, r->kz) - r->oz;
-    return v3((v_pick(p, r->kx) - r->ox) - r->sx * z, (v_pick(p, r->ky) - r->oy) - r->sy * z,
-              r->sz * z);
+    return v3((v_pick(p, r->kx) - r->ox) - r->sx * z, (v_pick(p, r->ky) - r->oy) - r->sy * z, z);
 }
 
+/* Twice the areas that the ray makes with the edges b-c, c-a, a-b: the weights of a, b, c. */
+INLINE V3 triangle_edges(V3 a, V3 b, V3 c)
+{
+    return v3(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
+}
+
+/* A triangle as the ray sees it: its corners, and the edge functions, whose signs tell whether the
+ * ray passes it within. */
+typedef struct { V3 a, b, c, e; } TriangleView;
+
+/* What is left to do once the ray may pass between the edges: depth, error, box, order. */
+bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, TriangleView *v, Hit *h);
+
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
- * is set. */
+ * is set. Most calls end here, with edge functions of both signs. */
 INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Probe *r, Hit *h)
 {
     const Tri *tri = &g->tri[prim];
-    const V3 *pa = &g->p[tri->v[0]], *pb = &g->p[tri->v[1]], *pc = &g->p[tri->v[2]];
-    V3 a = triangle_shear(r, pa), b = triangle_shear(r, pb), c = triangle_shear(r, pc);
-    V3 e = v3(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
-    float det, inv, t, near;
+    V3 a = triangle_across(r, &g->p[tri->v[0]]);
+    V3 b = triangle_across(r, &g->p[tri->v[1]]);
+    V3 c = triangle_across(r, &g->p[tri->v[2]]);
+    V3 e = triangle_edges(a, b, c), size = v_abs(e);
+    float least = f_min(e.x, f_min(e.y, e.z)), most = f_max(e.x, f_max(e.y, e.z));
+    TriangleView v;
 
-    if (UNLIKELY(e.x == 0.0f || e.y == 0.0f || e.z == 0.0f))
-        e = triangle_edges_exact(a, b, c);
-    if ((e.x < 0.0f || e.y < 0.0f || e.z < 0.0f) && (e.x > 0.0f || e.y > 0.0f || e.z > 0.0f))
+    if (least < 0.0f && most > 0.0f && f_min(size.x, f_min(size.y, size.z)) > 0.0f)
         return false;
-    det = e.x + e.y + e.z;
-    if (det == 0.0f)
-        return false;
-    inv = 1.0f / det;
-    t = (e.x * a.z + e.y * b.z + e.z * c.z) * inv;
-    near = f_min(a.z, f_min(b.z, c.z));
-    if (UNLIKELY(near <= 0.0f) && !(t > triangle_t_error(a, b, c, e, inv)))
-        return false;
-    if (!hit_in_box(r, triangle_box(*pa, *pb, *pc), &t))
-        return false;
-    if (!(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
-        return false;
-    h->t = t;
-    h->u = e.y * inv;
-    h->v = e.z * inv;
-    h->outer = h->prim = prim;
-    return true;
+    v.a = a;
+    v.b = b;
+    v.c = c;
+    v.e = e;
+    return triangle_accept(g, prim, r, &v, h);
 }
 
 #endif

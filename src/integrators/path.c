@@ -89,10 +89,11 @@ static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const 
     LightSample ls;
     float pmf, left, weight = 1.0f, pdf;
     V3 wi;
-    const Light *l = it->lights->kind->pick(
-        it->lights, s->p, s->ns, sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)), &pmf,
-        &left);
+    const Light *l;
+    float u = it->base.scene->nlights > 1
+                  ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)) : 0.0f;
 
+    l = it->lights->kind->pick(it->lights, s->p, s->ns, u, &pmf, &left);
     if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->depth)),
                                &ls))
         return black;
@@ -116,12 +117,16 @@ static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const 
 static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame, const Bsdf *b,
                     V3 wo, Tracer *t)
 {
+    V2 u = { 0, 0 };
+    float q, lobe = 0.0f;
     BsdfSample bs;
-    float q;
     V3 wi;
 
-    if (!b->kind->sample(b, wo, sample_1d(&t->sampler, DECISION(DECIDE_LOBE, e->depth)),
-                         sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, e->depth)), false, &bs))
+    if (b->kind->flags & BSDF_LOBES)
+        lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, e->depth));
+    if (b->kind->flags & BSDF_SMOOTH)
+        u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, e->depth));
+    if (!b->kind->sample(b, wo, lobe, u, false, &bs))
         return false;
     wi = frame_out(frame, bs.wi);
     if (!(v_dot(wi, s->ng) * bs.wi.z > 0.0f))
@@ -226,7 +231,7 @@ static const OptDef options[] = {
       .help = "how paths are completed: by meeting lights, by asking for them, by both" },
     { .key = "heuristic", .type = OPT_CHOICE, .str = "power", .choices = "power balance",
       .help = "weights of paths that both ways can make" },
-    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth",
+    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
       .choices = "power uniform", .also = "lightsamplestrategy", .help = "how a light is chosen" },

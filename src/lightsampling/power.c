@@ -9,6 +9,7 @@
 typedef struct {
     LightSampler base;
     Table table;                /* owned; by the scene's order of lights */
+    bool  single;               /* one light, with power: there is nothing to choose */
 } Power;
 
 static void close_power(LightSampler *base)
@@ -34,6 +35,7 @@ static LightSampler *open_power(const Scene *s, const Opts *o)
         return NULL;
     }
     ls->base.scene = s;
+    ls->single = s->nlights == 1 && table_total(&ls->table) > 0.0;
     return &ls->base;
 }
 
@@ -44,14 +46,21 @@ static const Light *pick(const LightSampler *base, V3 p, V3 n, float u, float *p
 
     (void)p;
     (void)n;
+    if (LIKELY(ls->single)) {
+        *pmf = 1.0f;
+        *left = u;
+        return base->scene->lights[0];
+    }
     return table_sample(&ls->table, u, &i, pmf, left) ? base->scene->lights[i] : NULL;
 }
 
 static float pmf_of(const LightSampler *base, V3 p, V3 n, const Light *l)
 {
+    const Power *ls = (const Power *)base;
+
     (void)p;
     (void)n;
-    return table_pmf(&((const Power *)base)->table, l->index);
+    return ls->single ? 1.0f : table_pmf(&ls->table, l->index);
 }
 
 const LightSamplerKind lightsampler_power = {

@@ -41,13 +41,14 @@ static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t in
     const RenderSettings *s = j->settings;
     const Camera *c = j->scene->camera;
     Rgb values[1 + AOVS_MAX];
-    V2 off;
+    V2 off, lens = { 0, 0 };
     Ray r;
 
     sampler_start(&t->sampler, index);
     off = s->filter->sample(sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), j->radius);
-    r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y },
-                     sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0)));
+    if (c->kind->has_lens(c))
+        lens = sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0));
+    r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens);
     if (t->tally)
         memset(t->tally, 0, sizeof *t->tally);
     values[0] = j->integrator->kind->radiance(j->integrator, &r, t);

@@ -32,4 +32,6 @@ void sampler_start(Sampler *s, uint32_t index)
 {
     s->index = index;
     s->key = key_with(s->pixel, index);
+    if (s->kind->start)
+        s->kind->start(s);
 }

@@ -35,6 +35,8 @@ typedef struct {
     /* From options. spp: samples a pixel that are planned, which the sampler may round up. False:
      * reported. NULL: nothing to do. */
     bool (*init)(Sampler *s, const Opts *o, uint32_t *spp);
+    /* After the index of a new sample is set. NULL: nothing to do. */
+    void (*start)(Sampler *s);
     /* Numbers in [0, 1): multiples of 2^-24. */
     float (*one)(Sampler *s, Decision d);
     V2    (*two)(Sampler *s, Decision d);
@@ -47,6 +49,7 @@ struct Sampler {
     uint64_t pixel;             /* key of the pixel and the seed */
     uint64_t key;               /* key of pixel and sample */
     uint32_t index;             /* of the sample in its pixel */
+    uint32_t reversed;          /* the index with its bits in reverse, where the kind wants it */
     uint32_t spp;               /* planned samples a pixel */
     void    *state;             /* the kind's own; NULL for those here */
 };

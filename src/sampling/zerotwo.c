@@ -12,14 +12,17 @@
  * Counts      Any; powers of two are best, since then the blocks are whole. */
 #include "sampling/sampler.h"
 
-static uint32_t reverse_bits(uint32_t x)
+/* Reverses the bits of each half of x by itself. */
+static uint64_t reverse_halves(uint64_t x)
 {
-    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
-    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
-    return x << 16 | x >> 16;
+    x = (x & 0x5555555555555555u) << 1 | (x >> 1 & 0x5555555555555555u);
+    x = (x & 0x3333333333333333u) << 2 | (x >> 2 & 0x3333333333333333u);
+    x = (x & 0x0F0F0F0F0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0F0F0F0F0Fu);
+    x = (x & 0x00FF00FF00FF00FFu) << 8 | (x >> 8 & 0x00FF00FF00FF00FFu);
+    return (x & 0x0000FFFF0000FFFFu) << 16 | (x >> 16 & 0x0000FFFF0000FFFFu);
 }
+
+static uint32_t reverse_bits(uint32_t x) { return (uint32_t)reverse_halves(x); }
 
 /* A hash in which each bit depends on the bits below it only: on a number with its bits reversed
  * that is a nested swap of halves. [Burley20 listing 1] */
@@ -49,32 +52,34 @@ static uint32_t pascal(uint32_t x)
 /* The sample's index in the order of this decision. */
 static uint32_t shuffled(const Sampler *s, uint32_t seed)
 {
-    return reverse_bits(hash_upwards(reverse_bits(s->index), seed));
+    return reverse_bits(hash_upwards(s->reversed, seed));
 }
 
-/* The radical inverse of the digits, scrambled: hashing works on the digits with the first one
+/* The radical inverse of the index, scrambled: hashing works on the digits with the first one
  * lowest, so the number is turned round only once. */
-static float scrambled(uint32_t digits, uint32_t seed)
-{
-    return unit_of(reverse_bits(hash_upwards(digits, seed)));
-}
-
 static float one(Sampler *s, Decision d)
 {
     uint64_t seeds = draw64(s->pixel, d);
     uint32_t i = shuffled(s, (uint32_t)seeds);
-    return scrambled(i, (uint32_t)(seeds >> 32));
+    return unit_of(reverse_bits(hash_upwards(i, (uint32_t)(seeds >> 32))));
 }
 
 static V2 two(Sampler *s, Decision d)
 {
-    uint64_t seeds = draw64(s->pixel, d), more = mix64(seeds);
+    uint64_t seeds = draw64(s->pixel, d), both;
     uint32_t i = shuffled(s, (uint32_t)seeds);
-    return (V2){ scrambled(i, (uint32_t)(seeds >> 32)), scrambled(pascal(i), (uint32_t)more) };
+    uint32_t x = hash_upwards(i, (uint32_t)(seeds >> 32));
+    uint32_t y = hash_upwards(pascal(i), (uint32_t)(seeds >> 16) * 0x9E3779B9u);
+
+    both = reverse_halves((uint64_t)x << 32 | y);
+    return (V2){ unit_of((uint32_t)(both >> 32)), unit_of((uint32_t)both) };
 }
+
+/* The index with its bits reversed is wanted by every decision of the sample. */
+static void start(Sampler *s) { s->reversed = reverse_bits(s->index); }
 
 const SamplerKind sampler_zerotwo = {
     .info = { "zerotwo", "Cline07 4.5.5-6; Burley20",
               "(0,2)-sequence, Owen scrambled, for each decision; powers of two are best", NULL },
-    .one = one, .two = two
+    .start = start, .one = one, .two = two
 };

@@ -156,16 +156,18 @@ static bool point_on_disk(const Shape *shape, V2 u, LightSample *s)
 
 /* ---- the cone of a sphere ---- */
 
-/* Height 1 - cos of the cone that the sphere fills from a point outside; 0 if inside. */
+/* Height 1 - cos of the cone that the sphere fills from a point outside; 0 if inside or on it. A
+ * point on the sphere is off by sphere_surface's error of each coordinate, six roundings of radius
+ * and centre: sixteen cover its length and the roundings here. */
 static float cone_height(const Sphere *sp, V3 from, V3 *to_centre, float *dist2)
 {
-    float r2 = sp->radius * sp->radius;
+    float r = sp->radius, reach = r + (r + v_max3(v_abs(sp->centre))) * ROUNDINGS(16);
 
     *to_centre = v_sub(sp->centre, from);
     *dist2 = v_len2(*to_centre);
-    if (!sp->whole || !(*dist2 > r2 * (1.0f + ROUNDINGS(64))))     /* on or inside */
+    if (!sp->whole || !(*dist2 > reach * reach))
         return 0.0f;
-    return warp_cone_height(r2 / *dist2);
+    return warp_cone_height(r * r / *dist2);
 }
 
 /* The near point where direction w, at cosine c to the axis, meets the sphere. */
@@ -176,9 +178,12 @@ static void near_point(const Sphere *sp, const Shape *shape, V3 from, V3 to_cent
     double d2 = (double)to_centre.x * to_centre.x + (double)to_centre.y * to_centre.y +
                 (double)to_centre.z * to_centre.z;
     double disc = b * b - d2 + (double)sp->radius * sp->radius;
-    float t = (float)(b - sqrt(disc > 0 ? disc : 0));
+    float t = (float)(b - sqrt(disc > 0 ? disc : 0)), away;
     V3 d = v_unit(v_sub(v_mad(s->wi, t, from), sp->centre));
 
+    away = v_dot(d, s->wi);
+    if (away > 0.0f)                    /* rounding at the rim: the like normal that faces us */
+        d = v_mad(s->wi, -2.0f * away, d);
     s->p = v_mad(d, sp->radius, sp->centre);
     s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
     s->n = shape->flip ? v_neg(d) : d;
@@ -206,7 +211,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
             s->pdf_w = warp_cone_pdf(h);
             s->L = l->L;
             near_point(&shape->as.sphere, shape, from, d, s);
-            return front(l, s);
+            return l->two_sided || !shape->flip;        /* we see the outside */
         }
     }
     switch (shape->kind) {

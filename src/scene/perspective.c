@@ -73,6 +73,8 @@ static void film(Camera *base, uint32_t w, uint32_t h)
     c->oy = y1 * c->tan_half;
 }
 
+static bool has_lens(const Camera *c) { return ((const Perspective *)c)->lens > 0.0f; }
+
 static Ray ray(const Camera *base, V2 pixel, V2 u)
 {
     const Perspective *c = (const Perspective *)base;
@@ -105,5 +107,5 @@ static const OptDef options[] = {
 
 const CameraKind camera_perspective = {
     .info = { "perspective", "Cline07 7.3.3", "pinhole or thin lens", options },
-    .make = make, .film = film, .ray = ray
+    .make = make, .film = film, .has_lens = has_lens, .ray = ray
 };

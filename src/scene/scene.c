@@ -148,6 +148,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
         Instance *in = &g->shapes[i].as.instance;
+        g->shapes[i].plain = !s->materials[g->shapes[i].material].textured;
         if (g->shapes[i].kind != SHAPE_INSTANCE)
             continue;
         ASSERT(s->accels[in->child] != NULL);

@@ -108,6 +108,8 @@ typedef struct {
     KindInfo info;
     Camera *(*make)(const Making *m, const Opts *o);    /* to_world: camera to world */
     void (*film)(Camera *c, uint32_t w, uint32_t h);    /* the picture's size, before any ray */
+    /* Whether `lens` matters: a pinhole needs no number drawn for it. */
+    bool (*has_lens)(const Camera *c);
     /* The ray through (x, y) in pixels from the top left, lens position u in [0,1)^2. Unit d. */
     Ray (*ray)(const Camera *c, V2 pixel, V2 lens);
 } CameraKind;

@@ -1,0 +1,67 @@
+/* triangle.c -- the rare part of the triangle test: a ray that passes between the edges, or may.
+ * See triangle.h. */
+#include "geometry/triangle.h"
+
+bool hit_in_box(const Probe *p, Box box, float *t)
+{
+    float b[8] = { box.lo.x, box.lo.y, box.lo.z, 0, box.hi.x, box.hi.y, box.hi.z, 0 }, near, far;
+
+    if (!slabs(p, b, INFINITY, &near, &far))
+        return false;
+    *t = *t < near ? near : *t > far ? far : *t;
+    return true;
+}
+
+/* Bound of the absolute error of t, from the sheared coordinates a, b, c of the corners, the edge
+ * functions e and 1/det: [PBRT4 6.8.7]. */
+static float t_error(V3 a, V3 b, V3 c, V3 e, float inv_det)
+{
+    float mx = f_max(fabsf(a.x), f_max(fabsf(b.x), fabsf(c.x)));
+    float my = f_max(fabsf(a.y), f_max(fabsf(b.y), fabsf(c.y)));
+    float mz = f_max(fabsf(a.z), f_max(fabsf(b.z), fabsf(c.z)));
+    float dx = ROUNDINGS(5) * (mx + mz), dy = ROUNDINGS(5) * (my + mz), dz = ROUNDINGS(3) * mz;
+    float de = 2.0f * (ROUNDINGS(2) * mx * my + dy * mx + dx * my);
+    float me = v_max3(v_abs(e));
+    return 3.0f * (ROUNDINGS(3) * me * mz + de * mz + dz * me) * fabsf(inv_det);
+}
+
+/* The edge functions in double: products of two floats are exact there. [Woop13 3.3] */
+static V3 edges_exact(V3 a, V3 b, V3 c)
+{
+    return v3((float)((double)c.x * b.y - (double)c.y * b.x),
+              (float)((double)a.x * c.y - (double)a.y * c.x),
+              (float)((double)b.x * a.y - (double)b.y * a.x));
+}
+
+NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, TriangleView *v,
+                              Hit *h)
+{
+    const Tri *tri = &g->tri[prim];
+    V3 a = v->a, b = v->b, c = v->c, e = v->e;
+    float det, inv, t;
+
+    if (e.x == 0.0f || e.y == 0.0f || e.z == 0.0f) {
+        e = edges_exact(a, b, c);
+        if (f_min(e.x, f_min(e.y, e.z)) < 0.0f && f_max(e.x, f_max(e.y, e.z)) > 0.0f)
+            return false;
+    }
+    det = e.x + e.y + e.z;
+    if (det == 0.0f)
+        return false;
+    a.z *= r->sz;
+    b.z *= r->sz;
+    c.z *= r->sz;
+    inv = 1.0f / det;
+    t = (e.x * a.z + e.y * b.z + e.z * c.z) * inv;
+    if (f_min(a.z, f_min(b.z, c.z)) <= 0.0f && !(t > t_error(a, b, c, e, inv)))
+        return false;
+    if (!hit_in_box(r, triangle_box(g->p[tri->v[0]], g->p[tri->v[1]], g->p[tri->v[2]]), &t))
+        return false;
+    if (!(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
+        return false;
+    h->t = t;
+    h->u = e.y * inv;
+    h->v = e.z * inv;
+    h->outer = h->prim = prim;
+    return true;
+}
