@@ -121,7 +121,8 @@ static double gauss(const Integrand *g, double x0, double dx, double y0, double 
 {
     static const double at[4][3] = { { 0 }, { 0 }, { 0.21132486540518712, 0.78867513459481288 },
                                      { 0.11270166537925831, 0.5, 0.88729833462074169 } };
-    static const double share[4][3] = { { 0 }, { 0 }, { 0.5, 0.5 }, { 5.0 / 18, 8.0 / 18, 5.0 / 18 } };
+    static const double share[4][3] = { { 0 }, { 0 }, { 0.5, 0.5 },
+                                        { 5.0 / 18, 8.0 / 18, 5.0 / 18 } };
     double sum = 0.0, cos_phi[3], sin_phi[3];
 
     for (int j = 0; j < n && !g->square; j++) {
@@ -289,7 +290,7 @@ Chi2Result chi2_run(const Chi2 *c)
 void chi2_expect(const Chi2 *c, const char *what)
 {
     Chi2Result r = chi2_run(c);
-    EXPECT(r.ok, "%s: p %.2g, in blocks %.2g; integral of the density %.6f; %lu refused, %lu astray",
-           what, r.p_fine, r.p_coarse, r.integral, (unsigned long)r.refused,
+    EXPECT(r.ok, "%s: p %.2g, in blocks %.2g; the density integrates to %.6f; %lu refused, %lu "
+           "astray", what, r.p_fine, r.p_coarse, r.integral, (unsigned long)r.refused,
            (unsigned long)r.astray);
 }

@@ -108,7 +108,8 @@ static double pdf_hemisphere(const void *of, V3 w)
 static void test_warps(void)
 {
     /* Heights whose rim is an edge of the bins: quadrature then meets no jump. */
-    float cones[] = { 1.0f, (float)(1.0 - md_cos(PI * 20 / 64)), (float)(1.0 - md_cos(PI * 3 / 64)) };
+    float cones[] = { 1.0f, (float)(1.0 - md_cos(PI * 20 / 64)),
+                      (float)(1.0 - md_cos(PI * 3 / 64)) };
 
     chi2_expect(&(Chi2){ draw_disk, pdf_disk, NULL, .square = true, .seed = 1, .halvings = 3 },
                 "disk");
@@ -159,8 +160,9 @@ static void test_warp_ends(void)
             EXPECT(d.x * d.x + d.y * d.y <= 1.0f, "disk leaves at %g %g", u.x, u.y);
             EXPECT(c.z > 0.0f && fabsf(v_len(c) - 1.0f) < 1e-6f, "cosine at %g %g", u.x, u.y);
             EXPECT(fabsf(v_len(s) - 1.0f) < 1e-6f, "sphere at %g %g", u.x, u.y);
-            EXPECT(b.x >= 0.0f && b.y >= 0.0f && b.z >= 0.0f && fabsf(b.x + b.y + b.z - 1.0f) < 2e-7f,
-                   "triangle at %g %g: %g %g %g", u.x, u.y, b.x, b.y, b.z);
+            EXPECT(b.x >= 0.0f && b.y >= 0.0f && b.z >= 0.0f &&
+                   fabsf(b.x + b.y + b.z - 1.0f) < 2e-7f, "triangle at %g %g: %g %g %g",
+                   u.x, u.y, b.x, b.y, b.z);
         }
     EXPECT(warp_tent(0.0f) == -1.0f && warp_tent(0.5f) == 0.0f, "tent's ends");
     EXPECT(warp_tent(ONE_MINUS_ULP) < 1.0f, "tent reaches 1");
@@ -174,11 +176,12 @@ static void test_warps_keep_neighbours(void)
     const float step = 1.0f / N;
     for (int i = 0; i + 1 < N; i++)
         for (int j = 0; j < N; j++) {
-            V2 a = { i * step, j * step }, b = { (i + 1) * step, j * step }, c = { j * step, i * step },
-               e = { j * step, (i + 1) * step };
+            V2 a = { i * step, j * step }, b = { (i + 1) * step, j * step };
+            V2 c = { j * step, i * step }, e = { j * step, (i + 1) * step };
             V2 p = warp_disk_concentric(a), q = warp_disk_concentric(b),
                r = warp_disk_concentric(c), s = warp_disk_concentric(e);
-            float d2 = f_sqr(p.x - q.x) + f_sqr(p.y - q.y), e2 = f_sqr(r.x - s.x) + f_sqr(r.y - s.y);
+            float d2 = f_sqr(p.x - q.x) + f_sqr(p.y - q.y);
+            float e2 = f_sqr(r.x - s.x) + f_sqr(r.y - s.y);
             EXPECT(d2 <= f_sqr(2.6f * step) && e2 <= f_sqr(2.6f * step), "torn at %d %d", i, j);
             EXPECT(v_len(v_sub(warp_triangle(a), warp_triangle(b))) <= 1.5f * step,
                    "triangle torn at %d %d", i, j);
@@ -248,8 +251,8 @@ static void check_chooser(const Chooser *c, const float *w, size_t n)
         count[i]++;
         in_part[(int)(rest * PARTS)]++;
     }
-    EXPECT(chi2_counts(expected, count, n) >= CHI2_P_MIN, "%s of %d: counts and pmf differ", c->name,
-           (int)n);
+    EXPECT(chi2_counts(expected, count, n) >= CHI2_P_MIN, "%s of %d: counts and pmf differ",
+           c->name, (int)n);
     for (int k = 0; k < PARTS; k++)
         part[k] = (double)DRAWS / PARTS;
     EXPECT(chi2_counts(part, in_part, PARTS) >= CHI2_P_MIN, "%s: leftovers not uniform", c->name);
@@ -294,8 +297,8 @@ static void test_alias_is_exact(void)
             EXPECT(a.bin[i].keep >= 0.0 && a.bin[i].keep <= 1.0, "keep %g", a.bin[i].keep);
         }
         for (int i = 0; i < N; i++)
-            EXPECT(fabs(really[i] - a.bin[i].pmf) <= 1e-6 * a.bin[i].pmf, "shape %d: %d is drawn %g, "
-                   "pmf %g", shape, i, really[i], a.bin[i].pmf);
+            EXPECT(fabs(really[i] - a.bin[i].pmf) <= 1e-6 * a.bin[i].pmf, "shape %d: %d is drawn "
+                   "%g, pmf %g", shape, i, really[i], a.bin[i].pmf);
         alias_clear(&a);
     }
 }
@@ -328,8 +331,8 @@ static void test_choice_ends(void)
         size_t i;
         REQUIRE(table_init(&t, pair, 2), "memory");
         for (int e = 1; e < 3; e++)
-            EXPECT(table_sample(&t, end[e], &i, NULL, &rest) && i == 1 && rest < 1.0f && rest > 0.99f,
-                   "leftover %.9g of %d", rest, k);
+            EXPECT(table_sample(&t, end[e], &i, NULL, &rest) && i == 1 && rest < 1.0f &&
+                   rest > 0.99f, "leftover %.9g of %d", rest, k);
         table_clear(&t);
     }
 }
@@ -345,8 +348,8 @@ static void test_nothing_to_choose(void)
         uint32_t k;
         V2 p;
         float pdf;
-        REQUIRE(table_init(&t, none, n) && alias_init(&a, none, n) && table2_init(&s, none, n / 2, 2),
-                "tables of nothing are legal");
+        REQUIRE(table_init(&t, none, n) && alias_init(&a, none, n) &&
+                table2_init(&s, none, n / 2, 2), "tables of nothing are legal");
         EXPECT(!table_sample(&t, 0.5, &i, NULL, NULL), "table of %d samples", (int)n);
         EXPECT(!alias_sample(&a, 0.5, &k, NULL, NULL), "alias table of %d samples", (int)n);
         EXPECT(!table2_sample(&s, (V2){ 0.5f, 0.5f }, &p, &pdf), "2-D table of %d samples", (int)n);
@@ -437,8 +440,8 @@ static void test_table2_cells(void)
                 if (i & 1 && n <= 65536)                /* just below and at a cell's edge */
                     u = clamp01((float)rng_below(&rng, n) / (float)n) * ONE_MINUS_ULP;
                 REQUIRE(table2_sample(&t, (V2){ u, u }, &p, &pdf), "no sample");
-                EXPECT(pdf > 0.0f && pdf == table2_pdf(&t, p), "%u cells: sampled %g, pdf %g at %.9g "
-                       "%.9g", (unsigned)n, pdf, table2_pdf(&t, p), p.x, p.y);
+                EXPECT(pdf > 0.0f && pdf == table2_pdf(&t, p), "%u cells: sampled %g, pdf %g at "
+                       "%.9g %.9g", (unsigned)n, pdf, table2_pdf(&t, p), p.x, p.y);
                 EXPECT(p.x >= 0.0f && p.x < 1.0f && p.y >= 0.0f && p.y < 1.0f, "%g %g", p.x, p.y);
             }
             table2_clear(&t);
@@ -503,7 +506,8 @@ static void test_same_bits(void)
     Table2 s;
 
     weights_make(w, 64 * 64, 5);
-    REQUIRE(table_init(&t, w, 4096) && alias_init(&a, w, 4096) && table2_init(&s, w, 64, 64), "memory");
+    REQUIRE(table_init(&t, w, 4096) && alias_init(&a, w, 4096) && table2_init(&s, w, 64, 64),
+            "memory");
     for (int k = 0; k < 50000; k++) {
         V2 u = unit2(&rng), d = warp_disk_concentric(u), p = { 0, 0 };
         V3 c = warp_cosine(u), n = warp_cone(u, 1e-3f), g = warp_sphere(u), b = warp_triangle(u);
@@ -511,10 +515,11 @@ static void test_same_bits(void)
         uint32_t j = 0;
         float pmf[2] = { 0 }, rest[2] = { 0 }, pdf = 0;
         REQUIRE(table_sample(&t, u.x, &i, &pmf[0], &rest[0]) &&
-                alias_sample(&a, u.y, &j, &pmf[1], &rest[1]) && table2_sample(&s, u, &p, &pdf), "no");
-        h = hash_floats(h, (float[]){ d.x, d.y, c.x, c.y, c.z, n.x, n.y, n.z, g.x, g.y, g.z, b.x, b.y,
-                                      b.z, warp_tent(u.x), pmf[0], pmf[1], rest[0], rest[1], p.x, p.y,
-                                      pdf, (float)i, (float)j }, 24);
+                alias_sample(&a, u.y, &j, &pmf[1], &rest[1]) &&
+                table2_sample(&s, u, &p, &pdf), "nothing to sample");
+        h = hash_floats(h, (float[]){ d.x, d.y, c.x, c.y, c.z, n.x, n.y, n.z, g.x, g.y, g.z,
+                                      b.x, b.y, b.z, warp_tent(u.x), pmf[0], pmf[1], rest[0],
+                                      rest[1], p.x, p.y, pdf, (float)i, (float)j }, 24);
     }
     table_clear(&t);
     alias_clear(&a);
@@ -539,7 +544,8 @@ static bool draw_tilt(const void *of, Rng *rng, V3 *w)
 /* The tail against known values, and faults of known size: 20 % are found, 0.1 % cannot be. */
 static void test_chi2_itself(void)
 {
-    Tilt wrong = { 0.2, false }, right = { 0.0, false }, slight = { 0.001, false }, down = { 0, true };
+    Tilt wrong = { 0.2, false }, right = { 0.0, false }, slight = { 0.001, false };
+    Tilt down = { 0.0, true };
     Chi2Result r;
     EXPECT(fabs(chi2_tail(3.841458820694124, 1) - 0.05) < 1e-12, "1 degree");
     EXPECT(fabs(chi2_tail(18.307038053275146, 10) - 0.05) < 1e-12, "10 degrees");

@@ -1,5 +1,5 @@
-/* coateddiffuse.c -- a matt base under a clear coat, smooth or rough, on both sides: plastic, glazed
- * pottery, varnish.
+/* coateddiffuse.c -- a matt base under a clear coat, smooth or rough, on both sides: plastic,
+ * glazed pottery, varnish.
  *
  * Source  the split into a coat and what passes it, in the reciprocal and energy-conserving form of
  *         [Ashikhmin00] and [Kelemen01], with the light that the coat throws back inside:
@@ -7,15 +7,15 @@
  *           Fi = 1 - Tm / eta^2,  Tm = integral of T(w) cos / pi over the hemisphere.
  *         f_coat is that of GGX facets (ggx.h) with Fresnel's reflectance, or a delta. E(w) stands
  *         for the albedo of f_coat. Fi is the part of diffuse light from inside that the coat
- *         reflects: by reciprocity 1 - Fi = (1 - Fe) / eta^2, and Tm = 1 - Fe. A white base then has
- *         albedo E + T = 1 exactly: nothing is absorbed.
+ *         reflects: by reciprocity 1 - Fi = (1 - Fe) / eta^2, and Tm = 1 - Fe. A white base then
+ *         has albedo E + T = 1 exactly: nothing is absorbed.
  *
  * What is approximate: the base sees diffuse light whatever the angles of refraction, and the coat
  * absorbs nothing. For a rough coat E has no closed form; we take a bound of it, E = F(c') with c'
  * from ggx.h, so that the surface never returns more light than it gets. The price is light lost:
- * of a white surface with eta = 1.5, 1 % on average over the hemisphere for alpha = 0.1, 3 % for 0.5,
- * 6 % for 1, and up to 19 % near grazing (more, if the coat is strongly anisotropic). With a smooth
- * coat nothing is lost. */
+ * of a white surface with eta = 1.5, 1 % on average over the hemisphere for alpha = 0.1, 3 % for
+ * 0.5, 6 % for 1, and up to 19 % near grazing (more, if the coat is strongly anisotropic). With a
+ * smooth coat nothing is lost. */
 #include "bsdf/bsdf.h"
 #include "bsdf/fresnel.h"
 #include "bsdf/ggx.h"

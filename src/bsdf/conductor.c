@@ -1,9 +1,9 @@
 /* conductor.c -- a metal, polished or rough, on both sides.
  *
- * Source  GGX facets with sampled visible normals, see ggx.h; Fresnel's formula for a complex index,
- *         see fresnel.h, one for each of red, green and blue. Options and their defaults (copper,
- *         alpha = sqrt(roughness)) are those of pbrt-v4, as is the index made from a colour:
- *         eta = 1 and k so that the colour is what is reflected head on.
+ * Source  GGX facets with sampled visible normals, see ggx.h; Fresnel's formula for a complex
+ *         index, see fresnel.h, one for each of red, green and blue. Options and their defaults
+ *         (copper, alpha = sqrt(roughness)) are those of pbrt-v4, as is the index made from a
+ *         colour: eta = 1 and k so that the colour is what is reflected head on.
  *
  * Light is reflected by one facet only, so rough metal comes out too dark, never too bright. An
  * alpha below GGX_SMOOTHEST along both axes makes a perfect mirror, a delta. */
@@ -130,8 +130,8 @@ static const OptDef options[] = {
 };
 
 const BsdfKind bsdf_conductor = {
-    .info = { "conductor", "Walter07; Heitz14 5.3; Heitz18; Cline07 5.2.2", "metal, polished or rough",
-              options },
+    .info = { "conductor", "Walter07; Heitz14 5.3; Heitz18; Cline07 5.2.2",
+              "metal, polished or rough", options },
     .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

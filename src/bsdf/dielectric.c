@@ -3,8 +3,8 @@
  *
  * Source  Fresnel and Snell, see fresnel.h; [Veach97 5.2] and the corrected eq. 2.14 and 2.16 of
  *         [GIRT]: radiance that crosses from index n_b (where wi lies) to n_a (where wo lies) grows
- *         by (n_a / n_b)^2, because its solid angle shrinks; importance, that is particles of light,
- *         does not. So f(wi, wo) / n_o^2 = f(wo, wi) / n_i^2.
+ *         by (n_a / n_b)^2, because its solid angle shrinks; importance, that is particles of
+ *         light, does not. So f(wi, wo) / n_o^2 = f(wo, wi) / n_i^2.
  *
  * The two events are chosen by the energy each carries, F reflectance and (1 - F) transmittance. */
 #include "bsdf/bsdf.h"

@@ -60,7 +60,8 @@ static const OptDef options[] = {
 };
 
 const BsdfKind bsdf_diffuse = {
-    .info = { "diffuse", "Lambert1760; Cline07 5.2.2", "matt: the same in every direction", options },
+    .info = { "diffuse", "Lambert1760; Cline07 5.2.2", "matt: the same in every direction",
+              options },
     .flags = BSDF_REFLECT | BSDF_SMOOTH,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

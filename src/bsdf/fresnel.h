@@ -36,7 +36,8 @@ INLINE double fresnel_dielectric(double c, double eta)
 
 /* From a transparent medium to one of complex index eta + i k, both relative to the first.
  * With a + i b = sqrt((eta + i k)^2 - sin^2), which is (far index times far cosine):
- *   R_s = |(c - a - i b) / (c + a + i b)|^2,  R_p = R_s |(a + i b - s^2/c) / (a + i b + s^2/c)|^2 */
+ *   R_s = |(c - a - i b) / (c + a + i b)|^2,
+ *   R_p = R_s |(a + i b - s^2/c) / (a + i b + s^2/c)|^2 */
 INLINE float fresnel_conductor(double c, double eta, double k)
 {
     double c2 = c * c, s2 = (1.0 - c) * (1.0 + c);
@@ -49,7 +50,7 @@ INLINE float fresnel_conductor(double c, double eta, double k)
     if (!(sum + cross > 0.0))                                   /* c = 0 and no contrast */
         return 1.0f;
     rs = (sum - cross) / (sum + cross);
-    rs = rs > 0.0 ? rs : 0.0;                                   /* rounding, where none is reflected */
+    rs = rs > 0.0 ? rs : 0.0;                                   /* it may round to below */
     p_sum = c2 * size + s2 * s2;
     p_cross = cross * s2;
     if (!(p_sum + p_cross > 0.0))                               /* s = 0: both alike */

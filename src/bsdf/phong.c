@@ -134,7 +134,8 @@ static const OptDef options[] = {
 };
 
 const BsdfKind bsdf_phong = {
-    .info = { "phong", "Lafortune94; Cline07 5.2.2", "matt with a glossy lobe, normalised", options },
+    .info = { "phong", "Lafortune94; Cline07 5.2.2", "matt with a glossy lobe, normalised",
+              options },
     .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

@@ -6,7 +6,7 @@
 
 static double weight_of(float w) { return w > 0.0f && is_finite(w) ? w : 0.0; }
 
-/* A leftover as float: rounding must not carry it to 1. [Cline07 5.2.1 does not say so] */
+/* A leftover as float: rounding must not carry it to 1. */
 static float canonical(double rest)
 {
     float r = (float)rest;
@@ -230,8 +230,8 @@ static float cell_pdf(const Table2 *t, uint32_t x, uint32_t y)
     return row > 0.0 ? (float)(row * t->h * sums_share(sum, t->w, x) * t->w) : 0.0f;
 }
 
-/* The place `rest` within cell i of n. Rounding to float may cross into a neighbour [as in the
- * printed listing of Cline07 5.2.1]: then a step of 2^-24, far less than a cell, leads back. */
+/* The place `rest` within cell i of n. Rounding to float may cross into a neighbour, as it does in
+ * the listings of [Cline07 5.2]: then a step of 2^-24, less than a cell, leads back. */
 static float place_in(uint32_t i, double rest, uint32_t n)
 {
     float x = (float)((i + rest) / n);
@@ -254,5 +254,7 @@ bool table2_sample(const Table2 *t, V2 u, V2 *point, float *pdf)
 
 float table2_pdf(const Table2 *t, V2 point)
 {
-    return table2_total(t) > 0.0 ? cell_pdf(t, cell_of(point.x, t->w), cell_of(point.y, t->h)) : 0.0f;
+    if (!(table2_total(t) > 0.0))
+        return 0.0f;
+    return cell_pdf(t, cell_of(point.x, t->w), cell_of(point.y, t->h));
 }

@@ -1,7 +1,7 @@
 /* table.h -- choosing in proportion to given weights: one of many things, or a point of a picture.
  *
- * Source  cumulative tables with binary search, [Shirley91 5.3]; the alias method as built by
- *         [Vose91]; marginal times conditional, [Cline07 4.3].
+ * Source  cumulative tables with binary search, in 2-D one for the rows and one within each,
+ *         [Cline07 9.2.3]; the alias method as built by [Vose91].
  *
  * A weight that is negative or not finite counts as 0. A table whose weights are all 0 (or that is
  * empty) is legal: it samples nothing and all its probabilities are 0. Sums are doubles.
