@@ -72,10 +72,8 @@ static bool make_light(Reader *r, Place at, const LightKind *kind, Params *ps, b
     for (size_t i = 0; i < all.n && !all_known; i++)
         all.p[i].used = true;
     opts_default(&o, kind->info.options);
-    if (!opts_params(&o, kind->info.name, &all))
-        return false;
-    m = reader_making(r, at, file_of(&all));
-    return add_light(r, kind, &m, &o, NULL);
+    return opts_params(&o, kind->info.name, &all) && reader_making(r, at, file_of(&all), &m) &&
+           add_light(r, kind, &m, &o, NULL);
 }
 
 bool do_light_source(Reader *r, Place at)
@@ -151,9 +149,9 @@ bool lightsource_shine(Reader *r, const AreaLight *area, uint32_t shape, Place a
         return !reader_once(r, ONCE_OBJECT_LIGHT) ||
                warn_at(at, "shapes of objects cannot be lights; they do not shine");
     opts_default(&o, area->kind->info.options);
-    if (!opts_params(&o, "area light", &area->params))
+    if (!opts_params(&o, "area light", &area->params) ||
+        !reader_making(r, area->at, file_of(&area->params), &m))
         return false;
-    m = reader_making(r, area->at, file_of(&area->params));
     m.shape = shape;
     if (!add_light(r, area->kind, &m, &o, &index))
         return false;

@@ -41,6 +41,8 @@ void pool_clear(ParamPool *p)
 
 static bool pool_text(ParamPool *pool, const Token *t, size_t *at)
 {
+    if (t->n > UINT32_MAX - 1 - pool->ntext)
+        return err_at(t->at, "the strings of one directive have more than 4294967295 bytes");
     if (!mem_grow(&pool->text, &pool->cap_text, pool->ntext + t->n + 1, 1))
         return false;
     *at = pool->ntext;
@@ -134,13 +136,9 @@ static bool take_string(Reader *r, Param *p, const Token *t)
     size_t at;
     if (t->kind != TOKEN_STRING)
         return wrong_value(t, "a string");
-    if (!pool_text(pool, t, &at) ||
-        !mem_grow(&pool->strings, &pool->cap_strings, pool->nstrings + 1, sizeof *pool->strings) ||
-        !mem_grow(&pool->string_at, &pool->cap_at, pool->nstrings + 1, sizeof *pool->string_at))
-        return false;
-    pool->string_at[pool->nstrings++] = at;
     p->n++;
-    return true;
+    return pool_text(pool, t, &at) &&
+           MEM_PUSH(pool->string_at, pool->nstrings, pool->cap_at, (uint32_t)at);
 }
 
 static bool take_bool(Reader *r, Param *p, const Token *t)
@@ -379,8 +377,10 @@ static bool read_param(Reader *r, const Token *t, SpectrumUse use)
     return MEM_PUSH(pool->p, pool->n, pool->cap, p);
 }
 
-static void set_pointers(ParamPool *pool)
+static bool set_pointers(ParamPool *pool)
 {
+    if (!mem_grow(&pool->strings, &pool->cap_strings, pool->nstrings, sizeof *pool->strings))
+        return false;
     for (size_t i = 0; i < pool->nstrings; i++)
         pool->strings[i] = pool->text + pool->string_at[i];
     for (size_t i = 0; i < pool->n; i++) {
@@ -392,6 +392,7 @@ static void set_pointers(ParamPool *pool)
         else
             p->numbers = pool->numbers + pool->span[i].first;
     }
+    return true;
 }
 
 bool params_read(Reader *r, SpectrumUse use, Params *out)
@@ -408,31 +409,42 @@ bool params_read(Reader *r, SpectrumUse use, Params *out)
         if (!reader_next(r, &t) || !read_param(r, &t, use))
             return false;
     }
-    set_pointers(pool);
     *out = (Params){ pool->p, pool->n };
-    return true;
+    return set_pointers(pool);
 }
 
 /* ---- copies ---- */
 
+static bool keep_strings(Arena *arena, Param *p)
+{
+    const char **strings = arena_take(arena, p->n, sizeof *strings);
+    size_t bytes = 0;
+    char *text;
+
+    for (size_t i = 0; i < p->n; i++)
+        bytes += strlen(p->strings[i]) + 1;
+    text = strings ? arena_take(arena, bytes, 1) : NULL;
+    if (!text)
+        return false;
+    for (size_t i = 0; i < p->n; i++) {
+        size_t n = strlen(p->strings[i]) + 1;
+        strings[i] = memcpy(text, p->strings[i], n);
+        text += n;
+    }
+    p->strings = strings;
+    return true;
+}
+
 static bool keep_values(Arena *arena, Param *p)
 {
-    if (p->kind == PARAM_STRING || p->kind == PARAM_TEXTURE) {
-        char **strings = arena_take(arena, p->n, sizeof *strings);
-        for (size_t i = 0; strings && i < p->n; i++) {
-            strings[i] = arena_string(arena, p->strings[i], strlen(p->strings[i]));
-            if (!strings[i])
-                return false;
-        }
-        p->strings = (const char *const *)strings;
-        return strings != NULL;
-    } else {
-        double *numbers = arena_take(arena, p->n, sizeof *numbers);
-        if (numbers)
-            memcpy(numbers, p->numbers, p->n * sizeof *numbers);
-        p->numbers = numbers;
-        return numbers != NULL;
-    }
+    double *numbers;
+    if (p->kind == PARAM_STRING || p->kind == PARAM_TEXTURE)
+        return keep_strings(arena, p);
+    numbers = arena_take(arena, p->n, sizeof *numbers);
+    if (!numbers)
+        return false;
+    p->numbers = memcpy(numbers, p->numbers, p->n * sizeof *numbers);
+    return true;
 }
 
 bool params_keep(Arena *arena, const Params *ps, const char *file, Params *out)

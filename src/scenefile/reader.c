@@ -136,25 +136,24 @@ char *reader_path(Reader *r, Place at, const char *name)
     return beside_main;
 }
 
-Making reader_making(const Reader *r, Place at, const char *name)
+bool reader_making(const Reader *r, Place at, const char *name, Making *m)
 {
-    Making m;
     char *path;
 
-    memset(&m, 0, sizeof m);
-    m.scene = r->scene;
-    m.to_world = r->state.ctm;
-    m.at = at;
-    m.max_file = r->limits->max_file;
-    m.max_pixels = r->limits->max_pixels;
-    m.geometry = r->object;
-    if (name && at.file && at.file != r->main_path) {
-        path = path_beside(at.file, name);
-        if (!path || !file_exists(path))
-            m.at.file = r->main_path;
-        mem_free(path);
-    }
-    return m;
+    memset(m, 0, sizeof *m);
+    m->scene = r->scene;
+    m->to_world = r->state.ctm;
+    m->at = at;
+    m->max_file = r->limits->max_file;
+    m->max_pixels = r->limits->max_pixels;
+    m->geometry = r->object;
+    if (!name || !at.file || at.file == r->main_path)
+        return true;
+    path = path_beside(r->main_path, name);
+    if (path && file_exists(path))
+        m->at.file = r->main_path;
+    mem_free(path);
+    return path != NULL;
 }
 
 const Cie *reader_cie(Reader *r)

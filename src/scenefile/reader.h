@@ -16,7 +16,7 @@ enum {
     TEXTURE_COST_MAX = 256,     /* textures that the evaluation of one may touch */
     INCLUDES_MAX = 16384        /* Include and Import directives that are carried out */
 };
-#define GENERATED_MAX ((uint64_t)1 << 24)       /* triangles made of curved shapes in one scene */
+#define GENERATED_MAX ((uint64_t)1 << 22)       /* triangles made of curved shapes in one scene */
 #define AVERAGED_MAX  ((uint64_t)1 << 32)       /* pixels looked at for means of textures */
 #define MATERIAL_NONE (UINT32_MAX - 1)                /* surfaces that are left out: "interface" */
 
@@ -26,8 +26,8 @@ typedef struct {
     Param     *p;               /* owned; pointers in it are set when the list is complete */
     ParamSpan *span;            /* owned; where in the pools the strings and values of p[i] are */
     double    *numbers;         /* owned */
-    const char **strings;       /* owned */
-    size_t    *string_at;       /* owned; offsets into text, of strings[] */
+    const char **strings;       /* owned; made when the list is complete */
+    uint32_t  *string_at;       /* owned; offsets into text, of strings[] */
     char      *text;            /* owned */
     size_t n, cap, cap_span, nnumbers, cap_numbers, nstrings, cap_strings, cap_at, ntext, cap_text;
 } ParamPool;
@@ -124,8 +124,8 @@ bool reader_file(Reader *r, Place at, const char *path, FileBytes *f);
  * names it; if it is in neither, the first of these. Owned by the caller. */
 char *reader_path(Reader *r, Place at, const char *name);
 /* For scene_image and the makers of lights: to_world and the place, with at.file such that `name`
- * (may be NULL) beside it is the file that reader_path finds. */
-Making reader_making(const Reader *r, Place at, const char *name);
+ * (may be NULL) beside it is the file that reader_path finds. False: out of memory, reported. */
+bool reader_making(const Reader *r, Place at, const char *name, Making *m);
 const Cie *reader_cie(Reader *r);                /* NULL: out of memory, reported */
 bool reader_generate(Reader *r, Place at, uint64_t ntriangles);    /* false: too many, reported */
 

@@ -69,14 +69,14 @@ static bool camera_make(Reader *r, Place at, const CameraKind *kind, Params *ps,
 {
     double room[PARAMS_MAX][3];
     Transform inverse = xf_inverse(&r->state.ctm);
-    Making m = reader_making(r, at, NULL);
+    Making m;
     Opts o;
 
     params_fit(ps, kind->info.options, room);
     for (size_t i = 0; i < ps->n && !known; i++)
         ps->p[i].used = true;                   /* those of another camera: warned of as a whole */
     opts_default(&o, kind->info.options);
-    if (!opts_params(&o, kind->info.name, ps))
+    if (!opts_params(&o, kind->info.name, ps) || !reader_making(r, at, NULL, &m))
         return false;
     m.to_world = inverse;
     r->scene->camera = kind->make(&m, &o);

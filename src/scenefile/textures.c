@@ -156,14 +156,14 @@ bool texture_readable(const char *name)
 
 Texture *texture_image(Reader *r, Place at, const char *name)
 {
-    Making m = reader_making(r, at, name);
+    Making m;
     Texture *t;
 
     if (!texture_readable(name))
         return warn_at(at, "pictures of the kind of '%.80s' cannot be read; grey 0.5 is used", name)
                    ? constant(r, rgb_all(0.5f)) : NULL;
     t = new_texture(r, TEXTURE_IMAGE);
-    if (!t || !(t->image = scene_image(r->scene, &m, name)))
+    if (!t || !reader_making(r, at, name, &m) || !(t->image = scene_image(r->scene, &m, name)))
         return NULL;
     t->value = rgb_all(1);
     return t;

@@ -5,13 +5,14 @@
  * of the end, or of both. Pictures are of the start; a warning says so. */
 #include "scenefile/reader.h"
 
-#include <string.h>
+#include <float.h>
 
+/* True if both maps are finite as floats too, which rays use. */
 static bool all_finite(const Transform *t)
 {
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)
-            if (t->m[i][j] - t->m[i][j] != 0 || t->inv[i][j] - t->inv[i][j] != 0)
+            if (!(fabs(t->m[i][j]) <= FLT_MAX) || !(fabs(t->inv[i][j]) <= FLT_MAX))
                 return false;
     return true;
 }

@@ -1,0 +1,675 @@
+/* test_scenefile_things.c -- what scene files are made of: shapes and their tessellations, spectra,
+ * materials, textures, OBJ scenes. Expectations are equations of the shapes, published constants of
+ * the metals and of the illuminants, or what is invariant under subdivision. */
+#include "geometry/loop.h"
+#include "geometry/quadric_mesh.h"
+#include "scenefile/spectrum.h"
+#include "test/mesh_help.h"
+#include "test/scene_help.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- meshes ---- */
+
+#define QUAD "\"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 0 2 3] "
+
+/* Normals go by the inverse transpose and are turned round by ReverseOrientation; without normals
+ * the front stays where it was when a transform mirrors. */
+static void fronts(void)
+{
+    static const char tri[] = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+    static const struct { const char *before; bool normals, flip; V3 n; } rows[] = {
+        { "", false, false, { 0, 0, 0 } },
+        { "ReverseOrientation", false, true, { 0, 0, 0 } },
+        { "Scale -1 1 1", false, true, { 0, 0, 0 } },
+        { "Scale -1 1 1 ReverseOrientation", false, false, { 0, 0, 0 } },
+        { "Scale -1 -1 1", false, false, { 0, 0, 0 } },
+        { "Scale 2 1 1", true, false, { 0.5f, 0, 1 } },
+        { "Scale 2 1 1 ReverseOrientation", true, true, { -0.5f, 0, -1 } },
+        { "Scale -1 1 1", true, true, { -1, 0, 1 } },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[300];
+        SceneFile f;
+        const Shape *s;
+        snprintf(text, sizeof text, "WorldBegin %s %s %s", rows[i].before, tri,
+                 rows[i].normals ? "\"normal N\" [2 0 2 2 0 2 2 0 2]" : "");
+        f = scene_of(text, 0);
+        s = scene_shape(&f, 0);
+        EXPECT(s->flip == rows[i].flip, "flip: %s", text);
+        EXPECT((s->n != NULL) == rows[i].normals, "normals: %s", text);
+        for (int k = 0; s->n && k < 3; k++)
+            EXPECT(v_near(s->n[k], v_unit(rows[i].n), 1e-6f), "normal %g %g %g: %s", s->n[k].x,
+                   s->n[k].y, s->n[k].z, text);
+        scenefile_clear(&f);
+    }
+}
+
+static void mesh_arrays(void)
+{
+    static const char *const names[] = { "point2 uv", "float uv", "float st", "point2 st" };
+    for (size_t i = 0; i < 4; i++) {
+        char text[300];
+        SceneFile f;
+        snprintf(text, sizeof text, "WorldBegin Shape \"trianglemesh\" " QUAD "\"%s\" [0 0 2 0 2 3 0 3]",
+                 names[i]);
+        f = scene_of(text, 0);
+        EXPECT(scene_shape(&f, 0)->count == 2 && scene_shape(&f, 0)->uv &&
+               scene_shape(&f, 0)->uv[2].x == 2 && scene_shape(&f, 0)->uv[2].y == 3, "%s", names[i]);
+        EXPECT(f.scene->geometries[0].tri[1].v[2] == 3, "indices");
+        scenefile_clear(&f);
+    }
+}
+
+/* ---- shapes of revolution ---- */
+
+/* Value of the shape's equation at p (0 on the surface) and its gradient. */
+static double equation(const Quadric *q, V3 p, V3 *g)
+{
+    double r2 = (double)p.x * p.x + (double)p.y * p.y, k;
+    double dx = (double)q->p2.x - q->p1.x, dy = (double)q->p2.y - q->p1.y;
+    double dz = (double)q->p2.z - q->p1.z, t, x, y;
+
+    switch (q->kind) {
+    case QUADRIC_SPHERE:
+        *g = p;
+        return r2 + (double)p.z * p.z - q->radius * q->radius;
+    case QUADRIC_DISK:
+        *g = v3(0, 0, 1);
+        return p.z - q->height;
+    case QUADRIC_CYLINDER:
+        *g = v3(p.x, p.y, 0);
+        return r2 - q->radius * q->radius;
+    case QUADRIC_CONE:                              /* r = R (1 - z/h) */
+        k = q->radius / q->height;
+        *g = v3(p.x, p.y, (float)(k * k * (q->height - p.z)));
+        return r2 - k * k * (q->height - p.z) * (q->height - p.z);
+    case QUADRIC_PARABOLOID:                        /* r^2 = R^2 z / zmax, outside below */
+        k = q->radius * q->radius / q->zmax;
+        *g = v3(2 * p.x, 2 * p.y, (float)-k);
+        return r2 - k * p.z;
+    case QUADRIC_HYPERBOLOID:                       /* r^2 that of the line at this height */
+        t = (p.z - q->p1.z) / dz;
+        x = q->p1.x + t * dx;
+        y = q->p1.y + t * dy;
+        *g = v3(p.x, p.y, (float)(-(x * dx + y * dy) / dz));
+        return r2 - x * x - y * y;
+    }
+    return 1;
+}
+
+/* Every vertex lies on the surface; its normal is the gradient; triangles face the same way; all
+ * triangles are met: their area is that of the surface up to the chords. */
+static void quadrics(void)
+{
+    static const struct { Quadric q; double area; } rows[] = {
+        { { QUADRIC_SPHERE, 2, 0, -2, 2, 0, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 50.265482 },
+        { { QUADRIC_SPHERE, 2, 0, -1, 0.5, 0, 90, { 0, 0, 0 }, { 0, 0, 0 } }, 4.712389 },
+        { { QUADRIC_DISK, 2, 1, 0, 0, 3, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 9.424778 },
+        { { QUADRIC_DISK, 2, 0, 0, 0, -1, 180, { 0, 0, 0 }, { 0, 0, 0 } }, 6.283185 },
+        { { QUADRIC_CYLINDER, 0.5, 0, -1, 3, 0, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 12.566371 },
+        { { QUADRIC_CONE, 3, 0, 0, 0, 4, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 47.123890 },
+        { { QUADRIC_PARABOLOID, 1, 0, 0, 1, 0, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 5.330414 },
+        { { QUADRIC_PARABOLOID, 1, 0, 0.25, 1, 0, 360, { 0, 0, 0 }, { 0, 0, 0 } }, 4.372901 },
+        { { QUADRIC_HYPERBOLOID, 1, 0, 0, 0, 0, 360, { 1, 0, -1 }, { 1, 0, 1 } }, 12.566371 },
+        { { QUADRIC_HYPERBOLOID, 1, 0, 0, 0, 0, 270, { 1, 1, -1 }, { 1, -1, 1 } }, 0 },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const Quadric *q = &rows[i].q;
+        double area = 0, worst = 0, turn = 1, sign = 0;
+        Mesh m;
+        memset(&m, 0, sizeof m);
+        REQUIRE(quadric_mesh(&m, q), "memory");
+        EXPECT(!mesh_fault(&m) && m.ntris <= quadric_triangles(q), "mesh %lu", (unsigned long)i);
+        for (uint32_t v = 0; v < m.nverts; v++) {
+            V3 g = v_all(0.0f);
+            double e = fabs(equation(q, m.p[v], &g)) / 10;
+            worst = e > worst ? e : worst;
+            if (v_len(g) > 1e-3f) {             /* a tip has no gradient */
+                double c = v_dot(v_unit(g), m.n[v]);
+                sign = sign ? sign : c;
+                turn = c * sign < turn ? c * sign : turn;
+            }
+        }
+        EXPECT(worst < 1e-6, "shape %lu: off by %g", (unsigned long)i, worst);
+        EXPECT(turn > 1 - 1e-5, "shape %lu: normals differ from the gradient: %g", (unsigned long)i,
+               turn);
+        EXPECT(sign > 0 || q->kind == QUADRIC_HYPERBOLOID, "shape %lu: inside out", (unsigned long)i);
+        turn = 1;
+        for (uint32_t t = 0; t < m.ntris; t++) {
+            const uint32_t *v = m.tri[t].v;
+            V3 n = v_cross(v_sub(m.p[v[1]], m.p[v[0]]), v_sub(m.p[v[2]], m.p[v[0]]));
+            double c = v_dot(v_unit(n), v_unit(v_add(m.n[v[0]], v_add(m.n[v[1]], m.n[v[2]]))));
+            area += 0.5 * v_len(n);
+            turn = c < turn ? c : turn;
+        }
+        EXPECT(turn > 0.9, "shape %lu: a triangle faces away: %g", (unsigned long)i, turn);
+        EXPECT(!rows[i].area || (area > rows[i].area * (1 - 2e-3) && area < rows[i].area * (1 + 1e-6)),
+               "shape %lu: area %.7g, not %.7g", (unsigned long)i, area, rows[i].area);
+        mesh_clear(&m);
+    }
+}
+
+/* The ellipsoid that a distorted sphere becomes: points and fronts. */
+static void distorted(void)
+{
+    SceneFile f;
+    const Geometry *g;
+    double worst = 0;
+    bool outward = true;
+
+    messages_nowhere();
+    f = scene_of("WorldBegin Translate 1 2 3 Scale 1 -2 3 Shape \"sphere\" "
+                 "Shape \"disk\" \"float height\" .5", 2);
+    g = &f.scene->geometries[0];
+    REQUIRE(g->nshapes == 2 && g->shapes[0].kind == SHAPE_MESH, "shapes");
+    for (uint32_t i = 0; i < g->shapes[0].count; i++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = g->tri[i].v[k];
+            V3 p = v_sub(g->p[v], v3(1, 2, 3));
+            V3 q = v3(p.x, p.y / 2, p.z / 3);
+            double e = fabs(v_len(q) - 1);
+            worst = e > worst ? e : worst;
+            outward = outward && v_dot(g->shapes[0].n[v], v3(q.x, q.y / 2, q.z / 3)) > 0;
+        }
+    EXPECT(worst < 1e-6 && outward, "off by %g", worst);
+    EXPECT(g->p[g->shapes[1].first_vertex].z == 4.5f && g->shapes[1].n[0].z == 1, "the disc");
+    scenefile_clear(&f);
+}
+
+static void other_shapes(void)
+{
+    SceneFile f = scene_of(
+        "WorldBegin Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2 \"float Pz\" [0 1 2 3 4 5]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1 2 0 0 2 1 0]\n"
+        "\"integer indices\" [0 1 2 3 1 4 3 5]\n", 0);
+    const Geometry *g = &f.scene->geometries[0];
+    bool on = true;
+
+    REQUIRE(g->nshapes == 3, "three shapes");
+    EXPECT(g->shapes[0].count == 4 && v_equal(g->p[4], v3(0.5f, 1, 4)), "height field");
+    EXPECT(g->shapes[1].count == 2, "a parallelogram is two triangles");
+    EXPECT(g->shapes[2].count == 2 * 2 * 16 * 16, "two patches of 16 x 16");
+    for (size_t v = g->shapes[2].first_vertex; v < g->shapes[2].first_vertex + 17u * 17; v++)
+        on = on && fabsf(g->p[v].z - g->p[v].x * g->p[v].y) < 1e-6f;       /* z = x y */
+    EXPECT(on, "points of a bilinear patch");
+    scenefile_clear(&f);
+}
+
+/* ---- Loop subdivision ---- */
+
+static Mesh make_mesh(const float *p, uint32_t np, const uint32_t *tri, uint32_t nt)
+{
+    Mesh m;
+    memset(&m, 0, sizeof m);
+    m.p = MEM_ARRAY(V3, np);
+    m.tri = MEM_ARRAY(Tri, nt);
+    REQUIRE(m.p && m.tri, "memory");
+    m.nverts = np;
+    m.ntris = nt;
+    for (uint32_t i = 0; i < np; i++)
+        m.p[i] = v3(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+    for (uint32_t i = 0; i < 3 * nt; i++)
+        m.tri[i / 3].v[i % 3] = tri[i];
+    return m;
+}
+
+/* The limit surface does not depend on how often one subdivided on the way to it: points of the
+ * first mesh's vertices, and of the first edges', come out the same, and normals of the inner ones.
+ * A closed mesh and an open one, inner vertices of valence 3 and 6, boundary ones of 2 to 5. */
+static void loop_limit(void)
+{
+    static const float p[2][30] = {
+        { 1, 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1 },
+        { 0, 0, 0.3f, 1, 0, 0, 0.5f, 1, 0.2f, -0.5f, 1, 0, -1, 0, 0.5f, -0.5f, -1, 0, 0.5f, -1, 0,
+          1.5f, 1, 0.4f, 2, 0, 0.1f, 2, -1, 0 }
+    };
+    static const uint32_t tri[2][27] = {
+        { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 },
+        { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 0, 6, 1, 1, 7, 2, 1, 8, 7, 8, 1, 9 }
+    };
+    static const uint32_t np[2] = { 4, 10 }, nt[2] = { 4, 9 };
+
+    for (int k = 0; k < 2; k++) {
+        Mesh coarse = make_mesh(p[k], np[k], tri[k], nt[k]);
+        REQUIRE(loop_subdivide(&coarse, 1) == LOOP_DONE, "refused");
+        for (int level = 0; level < 5; level++) {
+            Mesh fine = make_mesh(p[k], np[k], tri[k], nt[k]);
+            uint32_t common = level ? coarse.nverts : np[k];
+            REQUIRE(loop_subdivide(&fine, level) == LOOP_DONE, "refused");
+            EXPECT(fine.ntris == nt[k] << (2 * level), "mesh %d: %lu triangles", k,
+                   (unsigned long)fine.ntris);
+            EXPECT(!mesh_fault(&fine), "mesh %d", k);
+            for (uint32_t v = 0; v < common; v++) {
+                EXPECT(v_near(fine.p[v], coarse.p[v], 1e-6f), "mesh %d, level %d: vertex %lu moves to "
+                       "%g %g %g from %g %g %g", k, level, (unsigned long)v, fine.p[v].x, fine.p[v].y,
+                       fine.p[v].z, coarse.p[v].x, coarse.p[v].y, coarse.p[v].z);
+                EXPECT((k == 1 && v > 0) || v_near(fine.n[v], coarse.n[v], 1e-5f),
+                       "mesh %d, level %d: normal %lu turns", k, level, (unsigned long)v);
+            }
+            mesh_clear(&fine);
+        }
+        mesh_clear(&coarse);
+    }
+}
+
+/* Normals of the limit: those of a fine mesh's triangles tend to them; in a plane they are exact. */
+static void loop_normals(void)
+{
+    static const float p[] = { 1, 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1 };
+    static const uint32_t tri[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
+    static const float flat[] = { 0, 0, 0, 1, 0, 0, 0.5f, 1, 0, -0.5f, 1, 0, -1, 0, 0, -0.5f, -1, 0,
+                                  0.7f, -1, 0 };
+    static const uint32_t fan[] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6 };
+    Mesh m = make_mesh(p, 4, tri, 4);
+    float least = 1;
+
+    REQUIRE(loop_subdivide(&m, 5) == LOOP_DONE, "refused");
+    for (uint32_t t = 0; t < m.ntris; t++) {
+        const uint32_t *v = m.tri[t].v;
+        V3 n = v_unit(v_cross(v_sub(m.p[v[1]], m.p[v[0]]), v_sub(m.p[v[2]], m.p[v[0]])));
+        for (int k = 0; k < 3; k++)
+            least = f_min(least, v_dot(n, m.n[v[k]]));
+    }
+    /* A facet turns from its corners' normals by about half the angle that 1/32 of an edge spans:
+     * an eighth of the sphere's 109 degrees over 32 steps, twice for the strong curvature. */
+    EXPECT(least > 0.99f, "a facet and its corner's normal: cosine %g", least);
+    EXPECT(v_near(m.p[0], v3(0.2f, 0.2f, 0.2f), 1e-6f), "limit of a vertex of valence 3");
+    mesh_clear(&m);
+    m = make_mesh(flat, 7, fan, 5);
+    REQUIRE(loop_subdivide(&m, 2) == LOOP_DONE, "refused");
+    for (uint32_t v = 0; v < m.nverts; v++)
+        EXPECT(v_equal(m.n[v], v3(0, 0, 1)), "normal %lu of a flat fan is %g %g %g", (unsigned long)v,
+               m.n[v].x, m.n[v].y, m.n[v].z);
+    mesh_clear(&m);
+}
+
+/* Meshes without a front: an edge of three triangles, neighbours that disagree, a bow tie, a corner
+ * used twice. They are refused and stay as they were. */
+static void loop_manifold(void)
+{
+    static const float p[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1 };
+    static const uint32_t tri[4][9] = {
+        { 0, 1, 2, 1, 0, 3, 0, 1, 4 }, { 0, 1, 2, 0, 1, 3, 2, 1, 4 }, { 0, 1, 2, 0, 3, 4, 1, 3, 2 },
+        { 0, 1, 2, 1, 1, 3, 2, 1, 4 }
+    };
+    SceneFile f;
+
+    for (int k = 0; k < 4; k++) {
+        Mesh m = make_mesh(p, 5, tri[k], k == 2 ? 2 : 3);
+        EXPECT(loop_subdivide(&m, 2) == LOOP_NOT_MANIFOLD, "mesh %d was taken", k);
+        EXPECT(m.nverts == 5 && m.ntris == (k == 2 ? 2u : 3u) && !m.n, "mesh %d was changed", k);
+        mesh_clear(&m);
+    }
+    messages_nowhere();
+    f = scene_of("WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1 1 1 1]"
+                 "\"integer indices\" [0 1 2 0 3 4]", 1);
+    EXPECT(scene_shape(&f, 0)->count == 2, "the control mesh is used");
+    scenefile_clear(&f);
+}
+
+/* ---- spectra ---- */
+
+static void chromaticity(const double rgb[3], double *x, double *y)
+{
+    /* Rec. 709 to XYZ, IEC 61966-2-1. */
+    double X = 0.4124 * rgb[0] + 0.3576 * rgb[1] + 0.1805 * rgb[2];
+    double Y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    double Z = 0.0193 * rgb[0] + 0.1192 * rgb[1] + 0.9505 * rgb[2];
+    *x = X / (X + Y + Z);
+    *y = Y / (X + Y + Z);
+}
+
+static void expect_rgb(const char *what, const double rgb[3], double r, double g, double b, double tol)
+{
+    EXPECT(fabs(rgb[0] - r) <= tol && fabs(rgb[1] - g) <= tol && fabs(rgb[2] - b) <= tol,
+           "%s: %g %g %g, not %g %g %g", what, rgb[0], rgb[1], rgb[2], r, g, b);
+}
+
+/* The 1931 observer (CIE 15, table T.4) every 20 nm from 400. */
+static const double observer[16][3] = {
+    { 0.01431, 0.000396, 0.06785 }, { 0.13438, 0.004, 0.6456 }, { 0.34828, 0.023, 1.74706 },
+    { 0.2908, 0.06, 1.6692 }, { 0.09564, 0.13902, 0.81295 }, { 0.0049, 0.323, 0.272 },
+    { 0.06327, 0.71, 0.07825 }, { 0.2904, 0.954, 0.0203 }, { 0.5945, 0.995, 0.0039 },
+    { 0.9163, 0.87, 0.00165 }, { 1.0622, 0.631, 0.0008 }, { 0.85445, 0.381, 0.00019 },
+    { 0.4479, 0.175, 0.00002 }, { 0.1649, 0.061, 0 }, { 0.04677, 0.017, 0 }, { 0.01136, 0.0041, 0 }
+};
+
+/* The sums again, with the observer's own data and Planck's law as it stands. */
+static void naive_blackbody(double kelvin, double scale, double rgb[3])
+{
+    double top = 2.897771955e6 / kelvin, xyz[3] = { 0, 0, 0 }, y = 0;
+    for (int i = 0; i < 16; i++) {
+        double nm = 400 + 20 * i;
+        double v = pow(top / nm, 5) * (exp(1.438776877e7 / (top * kelvin)) - 1) /
+                   (exp(1.438776877e7 / (nm * kelvin)) - 1);
+        for (int k = 0; k < 3; k++)
+            xyz[k] += scale * v * observer[i][k];
+        y += observer[i][1];
+    }
+    for (int k = 0; k < 3; k++)
+        xyz[k] /= y;
+    spectrum_from_xyz(xyz, rgb);
+}
+
+/* The fits err by a few hundredths of the peaks [Wyman13 table 1], so 4 % of the largest channel. */
+static void blackbodies(void)
+{
+    static const struct { double kelvin, x, y; } rows[] = {         /* Planckian locus, CIE 15 */
+        { 2855.5, 0.44758, 0.40745 }, { 4000, 0.38045, 0.37675 }, { 6500, 0.31352, 0.32363 },
+        { 10000, 0.28063, 0.28833 }
+    };
+    static const double scale = 3, flat[] = { 400, 2, 800, 2 };
+    double a[3], b[3], c[3], xyz[3], x, y;
+    Cie cie;
+
+    cie_init(&cie);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        spectrum_from_kelvin(&cie, rows[i].kelvin, NULL, a);
+        chromaticity(a, &x, &y);
+        EXPECT(fabs(x - rows[i].x) < 0.01 && fabs(y - rows[i].y) < 0.01, "%g K: %g %g", rows[i].kelvin,
+               x, y);
+        EXPECT(fabs(0.2126 * a[0] + 0.7152 * a[1] + 0.0722 * a[2] - 1) < 1e-3, "luminance 1");
+        spectrum_from_kelvin(&cie, rows[i].kelvin, &scale, b);
+        EXPECT(fabs(b[0] / b[2] / (a[0] / a[2]) - 1) < 1e-12, "the scale keeps the hue");
+        naive_blackbody(rows[i].kelvin, scale, c);
+        expect_rgb("black body", b, c[0], c[1], c[2], 0.04 * (c[0] > c[2] ? c[0] : c[2]));
+    }
+    xyz[0] = xyz[1] = xyz[2] = 2;               /* flat light is illuminant E */
+    spectrum_from_xyz(xyz, c);
+    spectrum_from_samples(&cie, flat, 2, SPECTRUM_LIGHT, b);
+    expect_rgb("flat light of 2", b, c[0], c[1], c[2], 0.04 * c[0]);
+    spectrum_from_samples(&cie, flat, 2, SPECTRUM_ALBEDO, b);
+    expect_rgb("flat albedo of 2", b, 2, 2, 2, 1e-12);
+}
+
+/* Of the metals: constants as they are in the scenes that Bitterli gave away, made of other
+ * measurements and under illuminant E, whose white is divided out here (1.205, 0.948, 0.909). */
+static void named_spectra(void)
+{
+    static const struct { const char *name; double r, g, b, tol; } rows[] = {
+        { "metal-Cu-eta", 0.2004 / 1.205, 0.9240 / 0.948, 1.1022 / 0.909, 0.12 },
+        { "metal-Cu-k", 3.9129 / 1.205, 2.4528 / 0.948, 2.1422 / 0.909, 0.2 },
+        { "metal-Al-eta", 1.6575 / 1.205, 0.8804 / 0.948, 0.5212 / 0.909, 0.12 },
+        { "metal-Al-k", 9.2239 / 1.205, 6.2695 / 0.948, 4.8370 / 0.909, 0.35 },
+        { "metal-Au-eta", 0.1431 / 1.205, 0.3750 / 0.948, 1.4425 / 0.909, 0.2 },
+        { "metal-Au-k", 3.9832 / 1.205, 2.3857 / 0.948, 1.6032 / 0.909, 0.25 },
+        { "metal-MgO-eta", 1.735, 1.741, 1.752, 0.01 },
+        { "metal-MgO-k", 0, 0, 0, 0 },
+        { "glass-BK7", 1.5168, 1.5168, 1.5168, 1e-4 },
+        { "glass-F11", 1.7847, 1.7847, 1.7847, 1e-4 },
+        { "stdillum-D65", 1, 1, 1, 0.003 },
+    };
+    double rgb[3];
+    Cie cie;
+
+    cie_init(&cie);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        EXPECT(spectrum_named(&cie, rows[i].name, SPECTRUM_ALBEDO, rgb), "%s", rows[i].name);
+        expect_rgb(rows[i].name, rgb, rows[i].r, rows[i].g, rows[i].b, rows[i].tol);
+    }
+    EXPECT(spectrum_named(&cie, "metal-CuZn-k", SPECTRUM_ALBEDO, rgb) && rgb[0] > rgb[2], "brass");
+    EXPECT(!spectrum_named(&cie, "metal-Cu", SPECTRUM_ALBEDO, rgb) &&
+           !spectrum_named(&cie, "metal-Cu-etas", SPECTRUM_ALBEDO, rgb) &&
+           !spectrum_named(&cie, "", SPECTRUM_ALBEDO, rgb), "names that are none");
+}
+
+/* Spaces: white stays white, sRGB is ours, and the red of a wider space lies outside of ours. */
+static void colour_spaces(void)
+{
+    double m[3][3];
+    SceneFile f;
+
+    for (size_t s = 0; spectrum_spaces[s]; s++) {
+        EXPECT(spectrum_space(spectrum_spaces[s], m), "%s", spectrum_spaces[s]);
+        for (int i = 0; i < 3; i++) {
+            EXPECT(fabs(m[i][0] + m[i][1] + m[i][2] - 1) < 1e-12, "%s: white", spectrum_spaces[s]);
+            for (int k = 0; k < 3 && s == 0; k++)
+                EXPECT(fabs(m[i][k] - (i == k)) < 2e-4, "sRGB is not ours: %g", m[i][k]);
+        }
+        EXPECT(s == 0 || (m[0][0] > 1.2 && m[1][0] < 0), "%s: red", spectrum_spaces[s]);
+    }
+    f = scene_of("ColorSpace \"rec2020\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 0 0] "
+                 "Shape \"sphere\"", 0);
+    EXPECT(f.scene->materials[1].value[0].r == 1 && f.scene->materials[1].value[0].g == 0,
+           "a reflectance stays one");
+    scenefile_clear(&f);
+}
+
+static void spd_file(void)
+{
+    SceneFile f;
+    Rgb v;
+
+    scene_write("a.spd", "# nm value\n300 2\n\n  900 2 # flat\n");
+    f = scene_of("WorldBegin Material \"conductor\" \"spectrum eta\" \"a.spd\" "
+                 "\"spectrum k\" [300 3 900 3] Shape \"sphere\"", 0);
+    v = f.scene->materials[1].value[4];
+    EXPECT(fabsf(v.r - 2) < 1e-6f && fabsf(v.b - 2) < 1e-6f, "eta %g %g %g", v.r, v.g, v.b);
+    EXPECT(fabsf(f.scene->materials[1].value[5].g - 3) < 1e-6f, "k");
+    scenefile_clear(&f);
+}
+
+/* ---- materials ---- */
+
+/* Two spellings of one thing give the same material. */
+static void spellings(void)
+{
+    static const char *const pairs[][2] = {
+        { "\"matte\" \"color Kd\" [.1 .2 .3]", "\"diffuse\" \"rgb reflectance\" [.1 .2 .3]" },
+        { "\"matte\"", "\"diffuse\" \"float reflectance\" .5" },
+        { "\"mirror\" \"rgb Kr\" [1 1 0]", "\"mirror\" \"rgb reflectance\" [1 1 0]" },
+        { "\"glass\"", "\"dielectric\"" },
+        { "\"glass\" \"float index\" 1.3 \"color Kt\" [1 0 0]",
+          "\"dielectric\" \"rgb transmittance\" [1 0 0] \"float eta\" [1.3]" },
+        { "\"dielectric\" \"spectrum eta\" \"glass-BK7\"", "\"dielectric\" \"float eta\" 1.5168" },
+        { "\"metal\" \"float roughness\" .2", "\"conductor\" \"float roughness\" .2" },
+        { "\"metal\"", "\"conductor\" \"float roughness\" .01" },
+        { "\"conductor\" \"bool remaproughness\" \"false\"", "\"conductor\" \"bool remaproughness\" false" },
+        { "\"conductor\" \"spectrum eta\" [300 2 800 2]", "\"conductor\" \"rgb eta\" [2 2 2]" },
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        char text[400];
+        const Material *a, *b;
+        SceneFile f;
+        snprintf(text, sizeof text, "WorldBegin Material %s Shape \"sphere\" Material %s Shape \"sphere\"",
+                 pairs[i][0], pairs[i][1]);
+        f = scene_of(text, 0);
+        REQUIRE(f.scene->nmaterials == 3, "%s", text);
+        a = &f.scene->materials[1];
+        b = &f.scene->materials[2];
+        EXPECT(a->kind == b->kind, "%s", text);
+        for (int k = 0; k < a->nvalues; k++)
+            EXPECT(v_near(v3(a->value[k].r, a->value[k].g, a->value[k].b),
+                          v3(b->value[k].r, b->value[k].g, b->value[k].b), 1e-6f), "%s: %s", text,
+                   a->kind->info.options[k].key);
+        scenefile_clear(&f);
+    }
+}
+
+static void substitutes(void)
+{
+    static const struct { const char *type, *kind; } rows[] = {
+        { "plastic", "coateddiffuse" }, { "substrate", "coateddiffuse" }, { "uber", "coateddiffuse" },
+        { "translucent", "diffuse" }, { "disney", "coateddiffuse" }, { "hair", "diffuse" },
+        { "subsurface", "coateddiffuse" }, { "thindielectric", "dielectric" },
+        { "coatedconductor", "conductor" }, { "nothing like it", "diffuse" },
+    };
+    messages_nowhere();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[200];
+        SceneFile f;
+        snprintf(text, sizeof text, "WorldBegin Material \"%s\" \"rgb x\" [1 1 1] Shape \"sphere\"",
+                 rows[i].type);
+        f = scene_of(text, 1);
+        EXPECT(!strcmp(f.scene->materials[scene_shape(&f, 0)->material].kind->info.name, rows[i].kind),
+               "%s", rows[i].type);
+        scenefile_clear(&f);
+    }
+}
+
+/* Media boundaries are not drawn, unless they shine; of a mixture the heavier part counts. */
+static void interfaces_and_mixtures(void)
+{
+    SceneFile f;
+
+    messages_nowhere();
+    f = scene_of("WorldBegin Material \"interface\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD
+                 "AreaLightSource \"diffuse\" Shape \"sphere\"", 1);
+    EXPECT(f.scene->geometries[0].nshapes == 1 && f.scene->nlights == 1, "only the light is there");
+    scenefile_clear(&f);
+    f = scene_of("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"
+                 "MakeNamedMaterial \"b\" \"string type\" \"matte\"\n"
+                 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .7 Shape \"sphere\"\n"
+                 "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"\n"
+                 "\"rgb amount\" [.7 .7 .7] Shape \"sphere\"", 2);
+    EXPECT(scene_shape(&f, 0)->material == 2, "version 4: the amount is of the second");
+    EXPECT(scene_shape(&f, 1)->material == 1, "version 3: the amount is of the first");
+    scenefile_clear(&f);
+}
+
+/* ---- textures ---- */
+
+static Rgb reflectance_at(const SceneFile *f, size_t material, float u, float v)
+{
+    const Material *m = &f->scene->materials[material];
+    V2 uv = { u, v };
+    return m->texture[0] ? texture_eval(m->texture[0], uv) : m->value[0];
+}
+
+static void textures(void)
+{
+    static const unsigned char tga[18 + 12] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20,
+        0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255 };       /* red green / blue white */
+    char path[500];
+    SceneFile f;
+    Rgb c;
+
+    snprintf(path, sizeof path, "%.200s/a.tga", test_folder());
+    REQUIRE(file_write(path, tga, sizeof tga), "cannot write");
+    f = scene_of(
+        "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [.1 .2 .3] \"float uscale\" 2\n"
+        "\"float tex2\" .9 Texture \"s\" \"color\" \"scale\" \"texture tex1\" \"c\" \"float tex2\" .5\n"
+        "Texture \"s4\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .25\n"
+        "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float scale\" .5\n"
+        "Texture \"k\" \"spectrum\" \"constant\" \"rgb value\" [.5 .6 .7]\n"
+        "Texture \"r\" \"float\" \"constant\" \"float value\" .3\n"
+        "Material \"matte\" \"texture Kd\" \"c\" Material \"matte\" \"texture Kd\" \"s\"\n"
+        "Material \"matte\" \"texture Kd\" \"s4\" Material \"diffuse\" \"texture reflectance\" \"i\"\n"
+        "Material \"diffuse\" \"texture reflectance\" \"k\" Material \"conductor\" \"texture roughness\" \"r\"\n",
+        0);
+    EXPECT(reflectance_at(&f, 1, 0.2f, 0.2f).g == 0.2f && reflectance_at(&f, 1, 0.7f, 0.2f).g == 0.9f,
+           "checkerboard");
+    EXPECT(reflectance_at(&f, 2, 0.2f, 0.2f).g == 0.1f, "scale, version 3");
+    EXPECT(reflectance_at(&f, 3, 0.2f, 0.2f).g == 0.05f, "scale, version 4");
+    c = reflectance_at(&f, 4, 0.25f, 0.75f);
+    EXPECT(c.r == 0.5f && c.g == 0 && c.b == 0, "top left of the picture is at v = 3/4: %g %g %g", c.r,
+           c.g, c.b);
+    EXPECT(reflectance_at(&f, 4, 0.25f, 0.25f).b == 0.5f, "bottom left");
+    EXPECT(!f.scene->materials[5].textured && f.scene->materials[5].value[0].b == 0.7f, "constant");
+    EXPECT(f.scene->materials[6].value[0].r == 0.3f, "a number from a texture");
+    EXPECT(f.scene->nimages == 1, "one picture");
+    scenefile_clear(&f);
+}
+
+/* ---- OBJ ---- */
+
+static void obj_scene(void)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    static const char *const kinds[] = { "diffuse", "diffuse", "phong", "mirror", "dielectric",
+                                         "dielectric", "diffuse" };
+    const char *path;
+    SceneFile f;
+    const Scene *s;
+
+    scene_write("a.mtl", "newmtl a\nKd .1 .2 .3\nnewmtl b\nKd .6 .6 .6\nKs .6 .6 .6\nNs 20\n"
+                "newmtl c\nKs .9 .8 .7\nillum 3\nnewmtl d\nNi 1.3\nd .5\nTf 1 .5 .25\n"
+                "newmtl e\nillum 7\nKs .5 .5 .5\nnewmtl f\nKe 1 2 3\n");
+    path = scene_write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"
+                       "usemtl a\nf 1 2 4\nusemtl b\nf 1 3 4\nusemtl c\nf 2 3 4\nusemtl d\nf 3 2 1\n"
+                       "usemtl e\nf 4 2 1\nusemtl f\nf 4 3 1\n");
+    err_reset();
+    REQUIRE(scenefile_read(&f, path, &limits), "refused");
+    s = f.scene;
+    REQUIRE(s->geometries[0].nshapes == 7, "%lu shapes", (unsigned long)s->geometries[0].nshapes);
+    for (size_t k = 0; k < 7; k++)
+        EXPECT(!strcmp(s->materials[scene_shape(&f, k)->material].kind->info.name, kinds[k]),
+               "material of group %lu", (unsigned long)k);
+    EXPECT(scene_shape(&f, 0)->material == 0 && s->materials[1].value[0].g == 0.2f, "Kd");
+    EXPECT(fabsf(s->materials[2].value[0].r - 0.5f) < 1e-6f &&
+           fabsf(s->materials[2].value[1].r - 0.5f) < 1e-6f && s->materials[2].value[2].r == 20,
+           "Kd + Ks becomes 1");
+    EXPECT(s->materials[3].value[0].g == 0.8f, "a mirror's colour");
+    EXPECT(s->materials[4].value[0].r == 1.3f && s->materials[4].value[2].b == 0.25f, "glass");
+    EXPECT(s->materials[5].value[0].r == 1.5f && s->materials[5].value[1].r == 0.5f, "more glass");
+    EXPECT(s->nlights == 1 && scene_shape(&f, 6)->light == 0 && !f.bare && !s->camera, "the lamp");
+    EXPECT(v_equal(s->geometries[0].p[s->geometries[0].tri[3].v[2]], v3(0, 0, 1)), "points");
+    scenefile_clear(&f);
+    /* As a shape: the scene's materials go before those of the file, its transform applies. */
+    f = scene_of("WorldBegin MakeNamedMaterial \"c\" \"string type\" \"matte\"\nScale 2 2 2\n"
+                 "NamedMaterial \"c\" Shape \"obj\" \"string filename\" \"a.obj\"", 0);
+    EXPECT(scene_shape(&f, 3)->material == 1 && scene_shape(&f, 0)->material == 1, "overridden");
+    EXPECT(f.scene->geometries[0].p[1].x == 2, "transformed");
+    scenefile_clear(&f);
+}
+
+static void obj_faults(void)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    SceneFile f;
+
+    messages_nowhere();
+    err_reset();
+    REQUIRE(scenefile_read(&f, scene_write("b.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                           "usemtl x\nf 1 2 3\n"), &limits), "refused");
+    EXPECT(warnings_count() == 1 && f.bare && scene_shape(&f, 0)->material == 0, "no MTL file");
+    scenefile_clear(&f);
+    scene_write("c.mtl", "newmtl x\nKd .5 1 1\nmap_Kd .\\none.tga\nmap_bump b.png\n");
+    err_reset();
+    REQUIRE(scenefile_read(&f, scene_write("c.obj", "mtllib c.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                           "usemtl x\nf 1 2 3\n"), &limits), "refused");
+    EXPECT(warnings_count() == 2 && !f.scene->materials[1].textured, "no picture, no bumps");
+    scenefile_clear(&f);
+}
+
+static void cornell_obj(void)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    SceneFile f;
+
+    messages_nowhere();
+    REQUIRE(scenefile_read(&f, test_data("obj/CornellBox-Original.obj"), &limits), "refused");
+    EXPECT(f.scene->geometries[0].nshapes == 8 && f.scene->geometries[0].ntris == 36 &&
+           f.scene->nlights == 1 && f.scene->nmaterials == 9, "counts");
+    scenefile_clear(&f);
+    REQUIRE(scenefile_read(&f, test_data("meshes/bun_zipper_res4.ply"), &limits), "refused");
+    EXPECT(f.bare && f.scene->geometries[0].ntris == 948, "a bare mesh");
+    scenefile_clear(&f);
+}
+
+const TestCase test_scenefile_things[] = {
+    { "fronts", fronts, false },
+    { "mesh_arrays", mesh_arrays, false },
+    { "quadrics", quadrics, false },
+    { "distorted", distorted, false },
+    { "other_shapes", other_shapes, false },
+    { "loop_limit", loop_limit, false },
+    { "loop_normals", loop_normals, false },
+    { "loop_manifold", loop_manifold, false },
+    { "blackbodies", blackbodies, false },
+    { "named_spectra", named_spectra, false },
+    { "colour_spaces", colour_spaces, false },
+    { "spd_file", spd_file, false },
+    { "spellings", spellings, false },
+    { "substitutes", substitutes, false },
+    { "interfaces_and_mixtures", interfaces_and_mixtures, false },
+    { "textures", textures, false },
+    { "obj_scene", obj_scene, false },
+    { "obj_faults", obj_faults, false },
+    { "cornell_obj", cornell_obj, false },
+    { NULL, NULL, false }
+};
