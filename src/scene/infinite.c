@@ -179,18 +179,19 @@ static Rgb power(const Light *base)
 
 /* ---- the sky of a bare mesh ---- */
 
-enum { STUDIO_W = 64, STUDIO_H = 32 };
+enum { STUDIO_W = 512, STUDIO_H = 256 };        /* fine enough that no steps show */
 
-/* Soft light from above, less from below, and a broad key light ahead and to the left, whose lobe
- * is cos^24: about 20 degrees to half. The sum lights a facing white surface to about 1. */
+/* A smooth background that brightens upwards, and a broad key light behind the eye to the left,
+ * whose lobe is cos^24: about 20 degrees to half. The sum lights a facing white surface to about
+ * 1, of which the key gives two thirds, so that shapes read. */
 static Rgb studio_radiance(V3 w)
 {
-    V3 key = v_unit(v3(-0.55f, -0.65f, 0.75f));
+    V3 key = v_unit(v3(-0.7f, -0.6f, 0.6f));
     float c = f_max(0.0f, v_dot(w, key)), up = 0.5f + 0.5f * w.z;
     float lobe = f_sqr(f_sqr(f_sqr(c)));                /* c^8 */
-    Rgb sky = rgb_add(rgb_scale(rgb(0.42f, 0.47f, 0.55f), up),
-                      rgb_scale(rgb(0.20f, 0.18f, 0.16f), 1.0f - up));
-    return rgb_add(sky, rgb_scale(rgb(1.0f, 0.95f, 0.87f), 5.0f * lobe * lobe * lobe));
+    Rgb sky = rgb_add(rgb_scale(rgb(0.36f, 0.42f, 0.50f), up * up),
+                      rgb_scale(rgb(0.10f, 0.10f, 0.10f), 1.0f - up));
+    return rgb_add(sky, rgb_scale(rgb(1.0f, 0.94f, 0.84f), 8.0f * lobe * lobe * lobe));
 }
 
 Light *light_studio(const Making *m)
