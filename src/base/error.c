@@ -1,6 +1,7 @@
 /* error.c -- messages, exit classes, nearest names. See error.h. */
 #include "base/error.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -184,7 +185,7 @@ static int edit_distance(const char *a, const char *b)
     int row[3][MAX + 1], la = (int)strlen(a), lb = (int)strlen(b);
 
     if (la > MAX || lb > MAX)
-        return MAX;
+        return INT_MAX;
     for (int j = 0; j <= lb; j++)
         row[0][j] = j;
     for (int i = 1; i <= la; i++) {
