@@ -28,9 +28,9 @@ static void srgb_curve(void)
         EXPECT(srgb_decode(x) == (float)known[i][1], "decode(%g) = %.9g", x, srgb_decode(x));
         EXPECT(srgb_encode(x) == (float)known[i][2], "encode(%g) = %.9g", x, srgb_encode(x));
     }
-    EXPECT(srgb_encode(-1.0f) == 0.0f && srgb_encode(2.0f) == 1.0f && srgb_encode(NAN) == 0.0f &&
+    EXPECT(srgb_encode(-1.0f) == 0.0f && srgb_encode(1.5f) == 1.0f && srgb_encode(NAN) == 0.0f &&
            srgb_encode(INFINITY) == 1.0f, "encode does not clamp");
-    EXPECT(srgb_decode(-1.0f) == 0.0f && srgb_decode(2.0f) == 1.0f && srgb_decode(NAN) == 0.0f &&
+    EXPECT(srgb_decode(-1.0f) == 0.0f && srgb_decode(1.5f) == 1.0f && srgb_decode(NAN) == 0.0f &&
            srgb_decode(1.0f) == 1.0f && srgb_decode(0.0f) == 0.0f, "decode does not clamp");
     for (int i = 0; i <= 65535; i++) {
         float x = (float)i / 65535.0f, y = srgb_decode(x);
@@ -141,6 +141,23 @@ static void formats(void)
     EXPECT(!im.pixels && mem_blocks() == 0, "%ld blocks", mem_blocks());
 }
 
+static void sizes(void)
+{
+    const int64_t most = INT32_MAX;
+    const struct { int64_t w, h; uint64_t most; bool fits; } cases[] = {
+        { 1, 1, 1, true }, { 3, 4, 12, true }, { 3, 4, 11, false }, { 0, 1, 9, false },
+        { 1, 0, 9, false }, { -1, -1, 9, false }, { 1, 1, 0, false },
+        { most, most, UINT64_MAX, true }, { most + 1, 1, UINT64_MAX, false },
+        { 1, most + 1, UINT64_MAX, false }, { INT64_MAX, INT64_MAX, UINT64_MAX, false }
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        err_reset();
+        EXPECT(image_size_fits((Place){ "x", 0, 0 }, cases[i].w, cases[i].h, cases[i].most) ==
+               cases[i].fits, "case %d", (int)i);
+        EXPECT((err_status() == STATUS_OK) == cases[i].fits, "case %d: status", (int)i);
+    }
+}
+
 /* ---- PFM ---- */
 
 static void pfm_bytes(void)
@@ -169,6 +186,28 @@ static void pfm_bytes(void)
     image_clear(&im);
     REQUIRE(read_memory(&im, "pfm", begins_lf, sizeof begins_lf), "line feed");
     EXPECT(float_bits(im.pixels[0].r) == 0x3F80000A, "%08x", (unsigned)float_bits(im.pixels[0].r));
+    image_clear(&im);
+}
+
+/* Random finite floats, high byte first. */
+static void pfm_big_endian(void)
+{
+    unsigned char file[12 + 12 * 50] = "PF 25 2 1\n";
+    Rng r = rng_seed(19);
+    uint32_t bits[150];
+    Image im;
+
+    for (int i = 0; i < 150; i++) {
+        bits[i] = (uint32_t)rng_bits(&r) & 0xBFFFFFFF;
+        for (int k = 0; k < 4; k++)
+            file[10 + 4 * i + k] = (unsigned char)(bits[i] >> (24 - 8 * k));
+    }
+    REQUIRE(read_memory(&im, "pfm", file, 10 + 600), "read");
+    for (int i = 0; i < 50; i++) {
+        Rgb c = *image_at(&im, (uint32_t)i % 25, 1 - (uint32_t)i / 25);
+        EXPECT(float_bits(c.r) == bits[3 * i] && float_bits(c.g) == bits[3 * i + 1] &&
+               float_bits(c.b) == bits[3 * i + 2], "pixel %d", i);
+    }
     image_clear(&im);
 }
 
@@ -670,7 +709,9 @@ const TestCase test_image[] = {
     { "display_bytes", display_bytes, false },
     { "tone_maps", tone_maps, false },
     { "formats", formats, false },
+    { "sizes", sizes, false },
     { "pfm_bytes", pfm_bytes, false },
+    { "pfm_big_endian", pfm_big_endian, false },
     { "pfm_round_trip", pfm_round_trip, false },
     { "ppm_bytes", ppm_bytes, false },
     { "ppm_round_trip", ppm_round_trip, false },

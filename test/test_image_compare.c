@@ -67,8 +67,8 @@ static void odd_images(void)
     for (int i = 0; i < 6; i++)
         a.pixels[i] = rgb_all(NAN);
     REQUIRE(compare(&a, &r, &d), "compare");
-    EXPECT(d.pixels == 0 && d.sigma_over_mu == INFINITY && d.rmse == INFINITY && d.tiles == 0,
-           "nothing left");
+    EXPECT(d.pixels == 0 && d.sigma_over_mu == INFINITY && d.rmse == INFINITY && d.tiles == 0 &&
+           d.z_mean == 0 && d.z_max == 0, "nothing left");
     EXPECT(err_status() == STATUS_OK, "status");
     EXPECT(!compare(&a, &small, &d) && err_status() == STATUS_INPUT, "sizes differ");
     image_clear(&a);

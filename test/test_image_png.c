@@ -269,6 +269,36 @@ static void deflate_shrinks(void)
     mem_free(b);
 }
 
+/* A block that is stored may be longer than what one length of 16 bits can say. */
+static void stored_blocks(void)
+{
+    static const size_t sizes[] = { 0, 1, 65534, 65535, 65536, 131070, 131071, 200000 };
+    Rng r = rng_seed(18);
+
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
+        size_t n = sizes[k];
+        Deflate *d = MEM_NEW(Deflate);
+        unsigned char *bytes = mem_array(n, 1);
+        Inflate f;
+        REQUIRE(d && bytes && mem_grow(&d->out, &d->out_cap, n + 100, 1), "memory");
+        for (size_t i = 0; i < n; i++)
+            bytes[i] = (unsigned char)rng_bits(&r);
+        d->in = bytes;
+        d->n = n;
+        put_bits(d, 0x9C78, 16);
+        put_stored(d, n, true);
+        for (int i = 3; i >= 0; i--)
+            put_bits(d, checksum_adler32(1, bytes, n) >> 8 * i & 255, 8);
+        inflate_all(&f, d->out, d->out_n, n);
+        EXPECT(!memcmp(f.out, bytes, n), "%lu bytes differ", (unsigned long)n);
+        EXPECT(f.blocks[0] == (n ? (int)((n + 65534) / 65535) : 1), "%d blocks", f.blocks[0]);
+        mem_free(f.out);
+        mem_free(bytes);
+        mem_free(d->out);
+        mem_free(d);
+    }
+}
+
 /* The least sum of freq * length over all lengths from 1 to limit that make a prefix code. */
 static uint64_t brute_cost(const uint32_t *freq, int n, int limit, unsigned room)
 {
@@ -358,6 +388,31 @@ static uint32_t crc_by_division(const unsigned char *p, size_t n)
     return ~r;
 }
 
+/* The filter of a row must be the first of those that leave the least sum of differences, taken as
+ * signed bytes. above: the row above, NULL for the first one. */
+static void check_choice(int chosen, const unsigned char *row, const unsigned char *above, size_t n)
+{
+    unsigned long sums[5] = { 0, 0, 0, 0, 0 };
+    int best = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        int a = i < 3 ? 0 : row[i - 3], b = above ? above[i] : 0;
+        int c = i < 3 || !above ? 0 : above[i - 3];
+        int da = abs(b - c), db = abs(a - c), dc = abs(a + b - 2 * c);
+        int guess[5] = { 0, a, b, (a + b) / 2, 0 };
+        guess[4] = da <= db && da <= dc ? a : db <= dc ? b : c;
+        for (int k = 0; k < 5; k++) {
+            int left = (row[i] - guess[k]) & 255;
+            sums[k] += (unsigned long)(left < 128 ? left : 256 - left);
+        }
+    }
+    for (int k = 1; k < 5; k++)
+        if (sums[k] < sums[best])
+            best = k;
+    EXPECT(chosen == best, "filter %d with %lu, not %d with %lu", chosen, sums[chosen], best,
+           sums[best]);
+}
+
 typedef struct { uint32_t w, h; unsigned char *rgb, *data; size_t n; int filters[5]; } Png;
 
 /* Checks the chunks and gathers the data. */
@@ -407,6 +462,7 @@ static void unfilter(Png *p, const unsigned char *in)
             guess[4] = da <= db && da <= dc ? a : db <= dc ? b : c;
             row[i] = (unsigned char)(in[1 + i] + guess[in[0]]);
         }
+        check_choice(in[0], row, y ? row - n : NULL, n);
     }
 }
 
@@ -506,6 +562,7 @@ static void png_chunks(void)
 const TestCase test_image_png[] = {
     { "checksums", checksums, false },
     { "code_lengths", code_lengths, false },
+    { "stored_blocks", stored_blocks, false },
     { "deflate_bytes", deflate_bytes, false },
     { "deflate_shrinks", deflate_shrinks, false },
     { "png_pictures", png_pictures, false },
