@@ -42,7 +42,8 @@ const Shape *scene_shape(const SceneFile *f, size_t k)
 
 V3 scene_corner(const SceneFile *f, size_t vertex)
 {
-    REQUIRE(vertex < f->scene->geometries[0].nverts, "there is no point %lu", (unsigned long)vertex);
+    REQUIRE(vertex < f->scene->geometries[0].nverts, "there is no point %lu",
+            (unsigned long)vertex);
     return f->scene->geometries[0].p[vertex];
 }
 

@@ -44,8 +44,10 @@ static void transforms(void)
           { 2, 4, 2 }, { 0, 2, 2 }, { 2, 2, 4 } },
         { "CoordinateSystem \"a\" Scale 5 5 5 CoordinateSystem \"b\" CoordSysTransform \"a\" "
           "Translate 1 0 0 CoordSysTransform \"b\"", { 5, 0, 0 }, { 0, 5, 0 }, { 0, 0, 5 } },
-        { "Scale 2 2 2 TransformBegin Scale 3 3 3 TransformEnd", { 2, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2 } },
-        { "Scale 2 2 2 AttributeBegin Scale 3 3 3 AttributeEnd", { 2, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2 } },
+        { "Scale 2 2 2 TransformBegin Scale 3 3 3 TransformEnd",
+          { 2, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2 } },
+        { "Scale 2 2 2 AttributeBegin Scale 3 3 3 AttributeEnd",
+          { 2, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2 } },
         { "Scale 2 2 2 CoordSysTransform \"world\"", { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -165,8 +167,10 @@ static void parameters(void)
         "# a comment\nFilm \"x\" \"float a\" 1.5 \"float b\" [ 1 -2 3e1 ] # more\n"
         "\"integer c\" [7] \"bool d\" true \"bool e\" [\"false\" true] \"point3 g\" [1 2 3 4 5 6]"
         "\"point h\"[1 2 3]\"vector i\"[.5 +1 -.25]\"normal j\" [0 0 1] \"point2 k\" [1 2]\n"
-        "\"rgb l\" [1 .5 .25] \"color m\" [1 2 3] \"string n\" \"a\\\"\\\\b\\t\" \"string o\" [\"p\" \"q\"]\n"
-        "\"texture r\" \"s\" \"  float \t tt  \" 9 \"untyped\" [3 4] \"flag\" true \"word\" \"w\"", 0);
+        "\"rgb l\" [1 .5 .25] \"color m\" [1 2 3] \"string n\" \"a\\\"\\\\b\\t\" "
+        "\"string o\" [\"p\" \"q\"]\n"
+        "\"texture r\" \"s\" \"  float \t tt  \" 9 \"untyped\" [3 4] \"flag\" true \"word\" \"w\"",
+        0);
     static const double a[] = { 1.5 }, b[] = { 1, -2, 30 }, c[] = { 7 }, yes[] = { 1 };
     static const double e[] = { 0, 1 }, g[] = { 1, 2, 3, 4, 5, 6 }, i[] = { 0.5, 1, -0.25 };
     static const double j[] = { 0, 0, 1 }, l[] = { 1, 0.5, 0.25 }, tt[] = { 9 }, un[] = { 3, 4 };
@@ -257,8 +261,9 @@ static void objects(void)
     SceneFile f = scene_of(
         "WorldBegin Translate 0 0 5 ObjectBegin \"o\" Material \"mirror\" Translate 1 0 0\n" TRI
         "Shape \"sphere\" ObjectEnd ObjectBegin \"empty\" ObjectEnd\n"
-        "Shape \"sphere\" AttributeBegin Scale 2 2 2 ObjectInstance \"o\" ObjectInstance \"empty\"\n"
-        "AttributeEnd ObjectInstance \"o\"\n", 0);
+        "Shape \"sphere\" AttributeBegin Scale 2 2 2 ObjectInstance \"o\"\n"
+        "ObjectInstance \"empty\" AttributeEnd ObjectInstance \"o\"\n",
+        0);
     const Geometry *world = &f.scene->geometries[0], *o = &f.scene->geometries[1];
 
     EXPECT(f.scene->ngeometries == 3 && world->nshapes == 3 && o->nshapes == 2, "counts");

@@ -1,5 +1,6 @@
-/* test_scenefile_errors.c -- faults of scene files: each gives one line that names the very byte, and
- * nothing is kept. Names that are not known give a warning, say what is used, and reading goes on. */
+/* test_scenefile_errors.c -- faults of scene files: each gives one line that names the very byte,
+ * and nothing is kept. Names that are not known give a warning that says what is used, and reading
+ * goes on. */
 #include "test/mesh_help.h"
 #include "test/scene_help.h"
 
@@ -39,7 +40,8 @@ static const Fault faults[] = {
     { 1, 1, "AttributeEnd without AttributeBegin", "AttributeEnd" },
     { 2, 2, "TransformEnd stands where AttributeEnd was expected, for the AttributeBegin in line 1",
       "AttributeBegin\n TransformEnd" },
-    { 1, 43, "ObjectEnd stands where AttributeEnd", "WorldBegin ObjectBegin \"a\" AttributeBegin ObjectEnd" },
+    { 1, 43, "ObjectEnd stands where AttributeEnd",
+      "WorldBegin ObjectBegin \"a\" AttributeBegin ObjectEnd" },
     { 1, 28, "ObjectBegin inside of an object", "WorldBegin ObjectBegin \"a\" ObjectBegin \"b\"" },
     { 1, 28, "an instance of itself", "WorldBegin ObjectBegin \"a\" ObjectInstance \"a\"" },
     { 1, 50, "called 'a' already", "WorldBegin ObjectBegin \"a\" ObjectEnd ObjectBegin \"a\"" },
@@ -54,7 +56,8 @@ static const Fault faults[] = {
     { 1, 19, "the end of the file stands where", "Film \"x\" \"float a\"" },
     { 1, 26, "a number stands where a string", "Film \"x\" \"string a\" [\"b\" 2]" },
     { 1, 22, "the list is empty", "Film \"x\" \"integer a\" []" },
-    { 1, 25, "the list that begins in line 1 has no end", "Film \"x\" \"float a\" [1 2 WorldBegin" },
+    { 1, 25, "the list that begins in line 1 has no end",
+      "Film \"x\" \"float a\" [1 2 WorldBegin" },
     { 1, 22, "'1.5' is not right, expected a whole number", "Film \"x\" \"integer a\" 1.5" },
     { 1, 19, "expected", "Film \"x\" \"bool a\" 1" },
     { 1, 10, "4 numbers are given, expected groups of 3", "Film \"x\" \"point3 a\" [1 2 3 4]" },
@@ -65,37 +68,45 @@ static const Fault faults[] = {
     { 1, 31, "the file", "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"none.spd\"" },
     /* values that a table refuses */
     { 1, 22, "a number from", "Camera \"perspective\" \"float fov\" 200" },
-    { 1, 31, "one number or three", "WorldBegin Material \"diffuse\" \"string reflectance\" \"x\"" },
-    { 1, 31, "is not right, expected", "WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 2 3]" },
+    { 1, 31, "one number or three",
+      "WorldBegin Material \"diffuse\" \"string reflectance\" \"x\"" },
+    { 1, 31, "is not right, expected",
+      "WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 2 3]" },
     { 1, 33, "a texture cannot give it",
       "WorldBegin Material \"conductor\" \"texture remaproughness\" \"x\"" },
     { 1, 27, "a number from", "WorldBegin Shape \"sphere\" \"float radius\" -1" },
     { 1, 12, "the sphere is empty", "WorldBegin Shape \"sphere\" \"float zmin\" 3" },
     { 1, 12, "the disc is empty", "WorldBegin Shape \"disk\" \"float innerradius\" 1" },
-    { 1, 37, "not finite", "WorldBegin Translate 3e38 3e38 3e38 Shape \"trianglemesh\" \"point3 P\" "
+    { 1, 37, "not finite",
+      "WorldBegin Translate 3e38 3e38 3e38 Shape \"trianglemesh\" \"point3 P\" "
       "[3e38 0 0 0 1 0 0 0 1]" },
     /* shapes */
     { 1, 12, "needs its points", "WorldBegin Shape \"trianglemesh\"" },
     { 1, 12, "needs \"integer indices\"",
       "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1]" },
     { 2, 1, "index 2 of \"indices\" is 3, expected a whole number from 0 to 2",
-      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n\"integer indices\" [0 1 3]" },
+      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+      "\"integer indices\" [0 1 3]" },
     { 2, 1, "index 0 of \"indices\" is -1",
-      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n\"integer indices\" [-1 1 2]" },
+      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+      "\"integer indices\" [-1 1 2]" },
     { 2, 1, "groups of 3",
-      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n\"integer indices\" [0 1]" },
+      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+      "\"integer indices\" [0 1]" },
     { 1, 12, "needs a \"string filename\"", "WorldBegin Shape \"plymesh\"" },
     { 3, 2, "none.ply cannot be found",
       "WorldBegin\n\n Shape \"plymesh\" \"string filename\" \"none.ply\"" },
     { 1, 12, "expected 0 <= zmin < zmax", "WorldBegin Shape \"paraboloid\" \"float zmin\" -1" },
     { 1, 12, "\"integer nu\"", "WorldBegin Shape \"heightfield\"" },
-    { 1, 68, "nu times nv", "WorldBegin Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2       "
+    { 1, 68, "nu times nv",
+      "WorldBegin Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2       "
       "\"float Pz\" [1 2 3]" },
     /* names and files */
     { 1, 9, "none.pbrt cannot be found", "Include \"none.pbrt\"" },
     { 1, 9, "the name of the file in quotes", "Include none" },
     { 1, 18, "the kind of shape in quotes", "WorldBegin Shape sphere" },
-    { 1, 24, "of type \"float\" or \"spectrum\"", "WorldBegin Texture \"a\" \"colour\" \"constant\"" },
+    { 1, 24, "of type \"float\" or \"spectrum\"",
+      "WorldBegin Texture \"a\" \"colour\" \"constant\"" },
     { 1, 12, "an imagemap needs", "WorldBegin Texture \"a\" \"float\" \"imagemap\"" },
     { 1, 12, "needs a \"string type\"", "WorldBegin MakeNamedMaterial \"a\"" },
     { 1, 11, "expected \"shape\"", "Attribute \"shapes\" \"float radius\" 1" },
@@ -142,7 +153,8 @@ static const Fault warnings[] = {
       "Camera \"perspective\" \"float fow\" 50 WorldBegin" },
     { 1, 18, "unknown shape 'shpere', did you mean 'sphere'?; it is left out",
       "WorldBegin Shape \"shpere\" \"float radius\" 1" },
-    { 1, 12, "the shape 'curve' is not supported", "WorldBegin Shape \"curve\" \"point3 P\" [0 0 0]" },
+    { 1, 12, "the shape 'curve' is not supported",
+      "WorldBegin Shape \"curve\" \"point3 P\" [0 0 0]" },
     { 1, 27, "sphere has no parameter 'radios', did you mean 'radius'?",
       "WorldBegin Shape \"sphere\" \"float radios\" 1" },
     { 1, 12, "unknown material 'mate', did you mean 'matte'?; the neutral one is used",
@@ -151,7 +163,8 @@ static const Fault warnings[] = {
       "WorldBegin Material \"plastic\" \"rgb Ks\" [.1 .1 .1]" },
     { 2, 15, "no material is called 'bc', did you mean 'bcd'?; the neutral one is used",
       "WorldBegin MakeNamedMaterial \"bcd\" \"string type\" \"matte\"\nNamedMaterial \"bc\"" },
-    { 1, 31, "unknown texture 'a'", "WorldBegin Material \"diffuse\" \"texture reflectance\" \"a\"" },
+    { 1, 31, "unknown texture 'a'",
+      "WorldBegin Material \"diffuse\" \"texture reflectance\" \"a\"" },
     { 1, 32, "unknown class of texture 'chess'", "WorldBegin Texture \"a\" \"float\" \"chess\"" },
     { 1, 43, "constant textures have no parameter 'valu'",
       "WorldBegin Texture \"a\" \"float\" \"constant\" \"float valu\" 1" },
@@ -166,9 +179,10 @@ static const Fault warnings[] = {
       "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"metal-Cu-et\"" },
     { 1, 1, "AttributeBegin has no AttributeEnd", "AttributeBegin" },
     { 1, 1, "Shape stands before WorldBegin; this is read as a part", "Shape \"sphere\"" },
-    { 1, 42, "this one is used", "WorldBegin Shape \"disk\" \"float radius\" 1 \"float radius\" 2" },
-    { 1, 12, "1 triangle is of zero area left out", "WorldBegin Shape \"trianglemesh\" \"point3 P\" "
-      "[0 0 0 1 1 1 2 2 2]" },
+    { 1, 42, "this one is used",
+      "WorldBegin Shape \"disk\" \"float radius\" 1 \"float radius\" 2" },
+    { 1, 12, "1 triangle is of zero area left out",
+      "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1 2 2 2]" },
     { 2, 1, "\"N\" has 3 numbers, expected 9",
       "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n\"normal N\" [0 0 1]" },
     { 1, 1, "media are not supported", "MakeNamedMedium \"a\" \"string type\" \"homogeneous\"" },
@@ -190,7 +204,8 @@ static void warnings_say(void)
         EXPECT(scene_parse(&f, w->text), "was refused: %s", w->text);
         lines = messages_take(line, sizeof line);
         EXPECT(lines == 1 && warnings_count() == 1, "%d lines: %s", lines, w->text);
-        EXPECT(strstr(line, at_place(w)), "%s\n  gives\n%s\n  not at %s", w->text, line, at_place(w));
+        EXPECT(strstr(line, at_place(w)), "%s\n  gives\n%s\n  not at %s", w->text, line,
+               at_place(w));
         EXPECT(strstr(line, w->says), "%s\n  gives\n%s\n  not: %s", w->text, line, w->says);
         scenefile_clear(&f);
         err_reset();
@@ -222,11 +237,13 @@ static void include_errors(void)
 
     messages_start();
     scene_write("self.pbrt", "Include \"self.pbrt\"");
-    expect_error(scene_write("self.pbrt", "\n Include \"self.pbrt\""), "self.pbrt:2:10: a file includes");
+    expect_error(scene_write("self.pbrt", "\n Include \"self.pbrt\""),
+                 "self.pbrt:2:10: a file includes");
     scene_write("b.pbrt", "Include \"a.pbrt\"");
     expect_error(scene_write("a.pbrt", "Include \"b.pbrt\""), "a.pbrt includes ");
     scene_write("bad.pbrt", "\n\n Shpe");
-    expect_error(scene_write("main.pbrt", "Include \"bad.pbrt\""), "bad.pbrt:3:2: unknown directive");
+    expect_error(scene_write("main.pbrt", "Include \"bad.pbrt\""),
+                 "bad.pbrt:3:2: unknown directive");
     for (int i = 0; i < 70; i++) {              /* a chain of 70 is longer than the limit of 64 */
         snprintf(name, sizeof name, "c%d.pbrt", i);
         snprintf(text, sizeof text, "Include \"c%d.pbrt\"", i + 1);
@@ -291,8 +308,10 @@ static void texture_bomb(void)
     SceneFile f;
 
     for (int i = 1; i < 40; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n, "Texture \"t%d\" \"float\" \"scale\" \"texture "
-                      "tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
+        n += snprintf(text + n, sizeof text - (size_t)n,
+                      "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" "
+                      "\"texture tex2\" \"t%d\"\n",
+                      i, i - 1, i - 1);
     messages_start();
     EXPECT(!scene_parse(&f, text), "was read");
     messages_take(line, sizeof line);

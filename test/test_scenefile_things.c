@@ -53,11 +53,12 @@ static void mesh_arrays(void)
     for (size_t i = 0; i < 4; i++) {
         char text[300];
         SceneFile f;
-        snprintf(text, sizeof text, "WorldBegin Shape \"trianglemesh\" " QUAD "\"%s\" [0 0 2 0 2 3 0 3]",
-                 names[i]);
+        snprintf(text, sizeof text,
+                 "WorldBegin Shape \"trianglemesh\" " QUAD "\"%s\" [0 0 2 0 2 3 0 3]", names[i]);
         f = scene_of(text, 0);
         EXPECT(scene_shape(&f, 0)->count == 2 && scene_shape(&f, 0)->uv &&
-               scene_shape(&f, 0)->uv[2].x == 2 && scene_shape(&f, 0)->uv[2].y == 3, "%s", names[i]);
+                   scene_shape(&f, 0)->uv[2].x == 2 && scene_shape(&f, 0)->uv[2].y == 3,
+               "%s", names[i]);
         EXPECT(f.scene->geometries[0].tri[1].v[2] == 3, "indices");
         scenefile_clear(&f);
     }
@@ -136,7 +137,8 @@ static void quadrics(void)
         EXPECT(worst < 1e-6, "shape %lu: off by %g", (unsigned long)i, worst);
         EXPECT(turn > 1 - 1e-5, "shape %lu: normals differ from the gradient: %g", (unsigned long)i,
                turn);
-        EXPECT(sign > 0 || q->kind == QUADRIC_HYPERBOLOID, "shape %lu: inside out", (unsigned long)i);
+        EXPECT(sign > 0 || q->kind == QUADRIC_HYPERBOLOID, "shape %lu: inside out",
+               (unsigned long)i);
         turn = 1;
         for (uint32_t t = 0; t < m.ntris; t++) {
             const uint32_t *v = m.tri[t].v;
@@ -146,7 +148,8 @@ static void quadrics(void)
             turn = c < turn ? c : turn;
         }
         EXPECT(turn > 0.9, "shape %lu: a triangle faces away: %g", (unsigned long)i, turn);
-        EXPECT(!rows[i].area || (area > rows[i].area * (1 - 2e-3) && area < rows[i].area * (1 + 1e-6)),
+        EXPECT(!rows[i].area ||
+                   (area > rows[i].area * (1 - 2e-3) && area < rows[i].area * (1 + 1e-6)),
                "shape %lu: area %.7g, not %.7g", (unsigned long)i, area, rows[i].area);
         mesh_clear(&m);
     }
@@ -182,10 +185,12 @@ static void distorted(void)
 static void other_shapes(void)
 {
     SceneFile f = scene_of(
-        "WorldBegin Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2 \"float Pz\" [0 1 2 3 4 5]\n"
+        "WorldBegin Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2\n"
+        "\"float Pz\" [0 1 2 3 4 5]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1 2 0 0 2 1 0]\n"
-        "\"integer indices\" [0 1 2 3 1 4 3 5]\n", 0);
+        "\"integer indices\" [0 1 2 3 1 4 3 5]\n",
+        0);
     const Geometry *g = &f.scene->geometries[0];
     bool on = true;
 
@@ -244,9 +249,10 @@ static void loop_limit(void)
                    (unsigned long)fine.ntris);
             EXPECT(!mesh_fault(&fine), "mesh %d", k);
             for (uint32_t v = 0; v < common; v++) {
-                EXPECT(v_near(fine.p[v], coarse.p[v], 1e-6f), "mesh %d, level %d: vertex %lu moves to "
-                       "%g %g %g from %g %g %g", k, level, (unsigned long)v, fine.p[v].x, fine.p[v].y,
-                       fine.p[v].z, coarse.p[v].x, coarse.p[v].y, coarse.p[v].z);
+                EXPECT(v_near(fine.p[v], coarse.p[v], 1e-6f),
+                       "mesh %d, level %d: vertex %lu moves to %g %g %g from %g %g %g", k,
+                       level, (unsigned long)v, fine.p[v].x, fine.p[v].y, fine.p[v].z,
+                       coarse.p[v].x, coarse.p[v].y, coarse.p[v].z);
                 EXPECT((k == 1 && v > 0) || v_near(fine.n[v], coarse.n[v], 1e-5f),
                        "mesh %d, level %d: normal %lu turns", k, level, (unsigned long)v);
             }
@@ -256,7 +262,7 @@ static void loop_limit(void)
     }
 }
 
-/* Normals of the limit: those of a fine mesh's triangles tend to them; in a plane they are exact. */
+/* Normals of the limit: those of a fine mesh's triangles tend to them; a plane's are exact. */
 static void loop_normals(void)
 {
     static const float p[] = { 1, 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1 };
@@ -282,8 +288,8 @@ static void loop_normals(void)
     m = make_mesh(flat, 7, fan, 5);
     REQUIRE(loop_subdivide(&m, 2) == LOOP_DONE, "refused");
     for (uint32_t v = 0; v < m.nverts; v++)
-        EXPECT(v_equal(m.n[v], v3(0, 0, 1)), "normal %lu of a flat fan is %g %g %g", (unsigned long)v,
-               m.n[v].x, m.n[v].y, m.n[v].z);
+        EXPECT(v_equal(m.n[v], v3(0, 0, 1)), "normal %lu of a flat fan is %g %g %g",
+               (unsigned long)v, m.n[v].x, m.n[v].y, m.n[v].z);
     mesh_clear(&m);
 }
 
@@ -323,7 +329,8 @@ static void chromaticity(const double rgb[3], double *x, double *y)
     *y = Y / (X + Y + Z);
 }
 
-static void expect_rgb(const char *what, const double rgb[3], double r, double g, double b, double tol)
+static void expect_rgb(const char *what, const double rgb[3], double r, double g, double b,
+                       double tol)
 {
     EXPECT(fabs(rgb[0] - r) <= tol && fabs(rgb[1] - g) <= tol && fabs(rgb[2] - b) <= tol,
            "%s: %g %g %g, not %g %g %g", what, rgb[0], rgb[1], rgb[2], r, g, b);
@@ -355,7 +362,7 @@ static void naive_blackbody(double kelvin, double scale, double rgb[3])
     spectrum_from_xyz(xyz, rgb);
 }
 
-/* The fits err by a few hundredths of the peaks [Wyman13 table 1], so 4 % of the largest channel. */
+/* The fits err by a few hundredths of the peaks [Wyman13 table 1]: 4 % of the largest channel. */
 static void blackbodies(void)
 {
     static const struct { double kelvin, x, y; } rows[] = {         /* Planckian locus, CIE 15 */
@@ -370,8 +377,8 @@ static void blackbodies(void)
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         spectrum_from_kelvin(&cie, rows[i].kelvin, NULL, a);
         chromaticity(a, &x, &y);
-        EXPECT(fabs(x - rows[i].x) < 0.01 && fabs(y - rows[i].y) < 0.01, "%g K: %g %g", rows[i].kelvin,
-               x, y);
+        EXPECT(fabs(x - rows[i].x) < 0.01 && fabs(y - rows[i].y) < 0.01, "%g K: %g %g",
+               rows[i].kelvin, x, y);
         EXPECT(fabs(0.2126 * a[0] + 0.7152 * a[1] + 0.0722 * a[2] - 1) < 1e-3, "luminance 1");
         spectrum_from_kelvin(&cie, rows[i].kelvin, &scale, b);
         EXPECT(fabs(b[0] / b[2] / (a[0] / a[2]) - 1) < 1e-12, "the scale keeps the hue");
@@ -432,8 +439,10 @@ static void colour_spaces(void)
         }
         EXPECT(s == 0 || (m[0][0] > 1.2 && m[1][0] < 0), "%s: red", spectrum_spaces[s]);
     }
-    f = scene_of("ColorSpace \"rec2020\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 0 0] "
-                 "Shape \"sphere\"", 0);
+    f = scene_of(
+        "ColorSpace \"rec2020\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [1 0 0] "
+        "Shape \"sphere\"",
+        0);
     EXPECT(f.scene->materials[1].value[0].r == 1 && f.scene->materials[1].value[0].g == 0,
            "a reflectance stays one");
     scenefile_clear(&f);
@@ -468,14 +477,16 @@ static void spellings(void)
         { "\"dielectric\" \"spectrum eta\" \"glass-BK7\"", "\"dielectric\" \"float eta\" 1.5168" },
         { "\"metal\" \"float roughness\" .2", "\"conductor\" \"float roughness\" .2" },
         { "\"metal\"", "\"conductor\" \"float roughness\" .01" },
-        { "\"conductor\" \"bool remaproughness\" \"false\"", "\"conductor\" \"bool remaproughness\" false" },
+        { "\"conductor\" \"bool remaproughness\" \"false\"",
+          "\"conductor\" \"bool remaproughness\" false" },
         { "\"conductor\" \"spectrum eta\" [300 2 800 2]", "\"conductor\" \"rgb eta\" [2 2 2]" },
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         char text[400];
         const Material *a, *b;
         SceneFile f;
-        snprintf(text, sizeof text, "WorldBegin Material %s Shape \"sphere\" Material %s Shape \"sphere\"",
+        snprintf(text, sizeof text,
+                 "WorldBegin Material %s Shape \"sphere\" Material %s Shape \"sphere\"",
                  pairs[i][0], pairs[i][1]);
         f = scene_of(text, 0);
         REQUIRE(f.scene->nmaterials == 3, "%s", text);
@@ -493,20 +504,22 @@ static void spellings(void)
 static void substitutes(void)
 {
     static const struct { const char *type, *kind; } rows[] = {
-        { "plastic", "coateddiffuse" }, { "substrate", "coateddiffuse" }, { "uber", "coateddiffuse" },
-        { "translucent", "diffuse" }, { "disney", "coateddiffuse" }, { "hair", "diffuse" },
-        { "subsurface", "coateddiffuse" }, { "thindielectric", "dielectric" },
+        { "plastic", "coateddiffuse" },     { "substrate", "coateddiffuse" },
+        { "uber", "coateddiffuse" },        { "translucent", "diffuse" },
+        { "disney", "coateddiffuse" },      { "hair", "diffuse" },
+        { "subsurface", "coateddiffuse" },  { "thindielectric", "dielectric" },
         { "coatedconductor", "conductor" }, { "nothing like it", "diffuse" },
     };
     messages_nowhere();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const char *name;
         char text[200];
         SceneFile f;
         snprintf(text, sizeof text, "WorldBegin Material \"%s\" \"rgb x\" [1 1 1] Shape \"sphere\"",
                  rows[i].type);
         f = scene_of(text, 1);
-        EXPECT(!strcmp(f.scene->materials[scene_shape(&f, 0)->material].kind->info.name, rows[i].kind),
-               "%s", rows[i].type);
+        name = f.scene->materials[scene_shape(&f, 0)->material].kind->info.name;
+        EXPECT(!strcmp(name, rows[i].kind), "%s became %s", rows[i].type, name);
         scenefile_clear(&f);
     }
 }
@@ -521,11 +534,13 @@ static void interfaces_and_mixtures(void)
                  "AreaLightSource \"diffuse\" Shape \"sphere\"", 1);
     EXPECT(f.scene->geometries[0].nshapes == 1 && f.scene->nlights == 1, "only the light is there");
     scenefile_clear(&f);
-    f = scene_of("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"
-                 "MakeNamedMaterial \"b\" \"string type\" \"matte\"\n"
-                 "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .7 Shape \"sphere\"\n"
-                 "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"\n"
-                 "\"rgb amount\" [.7 .7 .7] Shape \"sphere\"", 2);
+    f = scene_of(
+        "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"
+        "MakeNamedMaterial \"b\" \"string type\" \"matte\"\n"
+        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .7 Shape \"sphere\"\n"
+        "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"\n"
+        "\"rgb amount\" [.7 .7 .7] Shape \"sphere\"",
+        2);
     EXPECT(scene_shape(&f, 0)->material == 2, "version 4: the amount is of the second");
     EXPECT(scene_shape(&f, 1)->material == 1, "version 3: the amount is of the first");
     scenefile_clear(&f);
@@ -542,8 +557,11 @@ static Rgb reflectance_at(const SceneFile *f, size_t material, float u, float v)
 
 static void textures(void)
 {
-    static const unsigned char tga[18 + 12] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20,
-        0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255 };       /* red green / blue white */
+    /* red green / blue white */
+    static const unsigned char tga[18 + 12] = {
+        0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20,
+        0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255
+    };
     char path[500];
     SceneFile f;
     Rgb c;
@@ -551,23 +569,26 @@ static void textures(void)
     snprintf(path, sizeof path, "%.200s/a.tga", test_folder());
     REQUIRE(file_write(path, tga, sizeof tga), "cannot write");
     f = scene_of(
-        "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [.1 .2 .3] \"float uscale\" 2\n"
-        "\"float tex2\" .9 Texture \"s\" \"color\" \"scale\" \"texture tex1\" \"c\" \"float tex2\" .5\n"
+        "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [.1 .2 .3]\n"
+        "\"float uscale\" 2 \"float tex2\" .9\n"
+        "Texture \"s\" \"color\" \"scale\" \"texture tex1\" \"c\" \"float tex2\" .5\n"
         "Texture \"s4\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .25\n"
         "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"float scale\" .5\n"
         "Texture \"k\" \"spectrum\" \"constant\" \"rgb value\" [.5 .6 .7]\n"
         "Texture \"r\" \"float\" \"constant\" \"float value\" .3\n"
         "Material \"matte\" \"texture Kd\" \"c\" Material \"matte\" \"texture Kd\" \"s\"\n"
-        "Material \"matte\" \"texture Kd\" \"s4\" Material \"diffuse\" \"texture reflectance\" \"i\"\n"
-        "Material \"diffuse\" \"texture reflectance\" \"k\" Material \"conductor\" \"texture roughness\" \"r\"\n",
-        0);
-    EXPECT(reflectance_at(&f, 1, 0.2f, 0.2f).g == 0.2f && reflectance_at(&f, 1, 0.7f, 0.2f).g == 0.9f,
+        "Material \"matte\" \"texture Kd\" \"s4\"\n"
+        "Material \"diffuse\" \"texture reflectance\" \"i\"\n"
+        "Material \"diffuse\" \"texture reflectance\" \"k\"\n"
+        "Material \"conductor\" \"texture roughness\" \"r\"\n", 0);
+    EXPECT(reflectance_at(&f, 1, 0.2f, 0.2f).g == 0.2f &&
+               reflectance_at(&f, 1, 0.7f, 0.2f).g == 0.9f,
            "checkerboard");
     EXPECT(reflectance_at(&f, 2, 0.2f, 0.2f).g == 0.1f, "scale, version 3");
     EXPECT(reflectance_at(&f, 3, 0.2f, 0.2f).g == 0.05f, "scale, version 4");
     c = reflectance_at(&f, 4, 0.25f, 0.75f);
-    EXPECT(c.r == 0.5f && c.g == 0 && c.b == 0, "top left of the picture is at v = 3/4: %g %g %g", c.r,
-           c.g, c.b);
+    EXPECT(c.r == 0.5f && c.g == 0 && c.b == 0, "top left of the picture is at v = 3/4: %g %g %g",
+           c.r, c.g, c.b);
     EXPECT(reflectance_at(&f, 4, 0.25f, 0.25f).b == 0.5f, "bottom left");
     EXPECT(!f.scene->materials[5].textured && f.scene->materials[5].value[0].b == 0.7f, "constant");
     EXPECT(f.scene->materials[6].value[0].r == 0.3f, "a number from a texture");
@@ -589,9 +610,10 @@ static void obj_scene(void)
     scene_write("a.mtl", "newmtl a\nKd .1 .2 .3\nnewmtl b\nKd .6 .6 .6\nKs .6 .6 .6\nNs 20\n"
                 "newmtl c\nKs .9 .8 .7\nillum 3\nnewmtl d\nNi 1.3\nd .5\nTf 1 .5 .25\n"
                 "newmtl e\nillum 7\nKs .5 .5 .5\nnewmtl f\nKe 1 2 3\n");
-    path = scene_write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"
-                       "usemtl a\nf 1 2 4\nusemtl b\nf 1 3 4\nusemtl c\nf 2 3 4\nusemtl d\nf 3 2 1\n"
-                       "usemtl e\nf 4 2 1\nusemtl f\nf 4 3 1\n");
+    path = scene_write(
+        "a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"
+                 "usemtl a\nf 1 2 4\nusemtl b\nf 1 3 4\nusemtl c\nf 2 3 4\nusemtl d\nf 3 2 1\n"
+                 "usemtl e\nf 4 2 1\nusemtl f\nf 4 3 1\n");
     err_reset();
     REQUIRE(scenefile_read(&f, path, &limits), "refused");
     s = f.scene;

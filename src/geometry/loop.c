@@ -3,8 +3,8 @@
  * Source      [Loop87] "Smooth Subdivision Surfaces Based on Triangles", with Warren's weights
  *             beta(n) = 3/16 for n = 3, 3/(8n) else, and the boundary rules and tangent masks of
  *             [Hoppe94] and Biermann, Levin, Zorin 2000, as in [PBRT3 3.8].
- * Idea        Half-edges: number 3f + k runs from corner k of triangle f to the next one. The twin of
- *             each is found by sorting them by their end points. Around a vertex one walks
+ * Idea        Half-edges: number 3f + k runs from corner k of triangle f to the next one. The twin
+ *             of each is found by sorting them by their end points. Around a vertex one walks
  *             counter-clockwise from triangle to triangle.
  * Departs     The source's limit weight 1/5 at boundaries is not that of its rules 1/8, 3/4, 1/8.
  * Invariants  Twins run in opposite directions, and the triangles of a vertex form one fan or one

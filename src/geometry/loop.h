@@ -11,8 +11,8 @@ typedef enum {
     LOOP_NO_MEMORY              /* reported; *m is to be cleared */
 } LoopResult;
 
-/* Replaces the mesh by its subdivision, 4^levels times as many triangles, moved to the limit surface
- * with the limit's normals. Only positions and triangles are read. levels >= 0. */
+/* Replaces the mesh by its subdivision, 4^levels times as many triangles, moved to the limit
+ * surface with the limit's normals. Only positions and triangles are read. levels >= 0. */
 LoopResult loop_subdivide(Mesh *m, int levels);
 
 #endif

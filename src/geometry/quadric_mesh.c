@@ -2,8 +2,8 @@
  *
  * Source      The parametrisations of [PBRT3 3.2-3.6]: a curve P(v) in space is turned about the z
  *             axis by the angle u phimax.
- * Normals     dP/du x dP/dv, of the true surface; where the curve meets the axis dP/du vanishes, and
- *             its direction a little further along the curve is taken.
+ * Normals     dP/du x dP/dv, of the true surface; where the curve meets the axis dP/du vanishes,
+ *             and its direction a little further along the curve is taken.
  * Error       128 steps a turn: chords lie within 1 - cos(pi/128) = 3.0e-4 radii of the circle.
  * Invariants  A full turn ends in the very points it began with, so there is no crack at the seam.
  *             Triangles that the axis would make flat are not made. */
@@ -40,7 +40,8 @@ uint32_t quadric_triangles(const Quadric *q) { return 2 * steps_around(q) * step
 static Profile sphere_at(const Quadric *q, double w)
 {
     double r = q->radius, lo = q->zmin > -r ? q->zmin : -r, hi = q->zmax < r ? q->zmax : r;
-    double a = md_atan2(sqrt((r - lo) * (r + lo)), -lo), b = md_atan2(sqrt((r - hi) * (r + hi)), -hi);
+    double a = md_atan2(sqrt((r - lo) * (r + lo)), -lo);
+    double b = md_atan2(sqrt((r - hi) * (r + hi)), -hi);
     double t = a + w * (b - a);                         /* angle from the lower pole */
     double z = w == 0 ? lo : w == 1 ? hi : -r * md_cos(t);
     double x = sqrt((r - z) * (r + z));
@@ -82,7 +83,7 @@ static Profile profile_at(const Quadric *q, double w)
                         (double)q->p2.z - q->p1.z }, w };
 }
 
-/* dP/du x dP/dv at angle 0, of any length. last: the curve came to the axis, it does not leave it. */
+/* dP/du x dP/dv at angle 0, of any length. last: the curve ends here, it does not begin. */
 static D3 normal_at(const Profile *c, bool last)
 {
     double x = c->p.x, y = c->p.y;

@@ -128,7 +128,8 @@ bool do_object_instance(Reader *r, Place at)
 
 bool do_attribute(Reader *r, Place at)
 {
-    static const char *const targets[TARGETS] = { "shape", "light", "material", "medium", "texture" };
+    static const char *const targets[TARGETS] = { "shape", "light", "material", "medium",
+                                                  "texture" };
     Token t;
     Params ps;
     Defaults *d;
@@ -140,7 +141,8 @@ bool do_attribute(Reader *r, Place at)
     while (target < TARGETS && !token_is(&t, targets[target]))
         target++;
     if (target == TARGETS)
-        return err_at(t.at, "expected \"shape\", \"light\", \"material\", \"medium\" or \"texture\"");
+        return err_at(t.at,
+                      "expected \"shape\", \"light\", \"material\", \"medium\" or \"texture\"");
     if (!params_read(r, target == TARGET_LIGHT ? SPECTRUM_LIGHT : SPECTRUM_ALBEDO, &ps))
         return false;
     before = r->state.defaults[target];

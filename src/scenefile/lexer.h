@@ -1,11 +1,13 @@
-/* lexer.h -- the words of the scene language: quoted strings, numbers, names, brackets. Comments run
- * from # to the end of the line. Nothing is copied: tokens point into the text. */
+/* lexer.h -- the words of the scene language: quoted strings, numbers, names, brackets. Comments
+ * run from # to the end of the line. Nothing is copied: tokens point into the text. */
 #ifndef SCENEFILE_LEXER_H
 #define SCENEFILE_LEXER_H
 
 #include "base/text.h"
 
-typedef enum { TOKEN_END, TOKEN_NAME, TOKEN_STRING, TOKEN_NUMBER, TOKEN_OPEN, TOKEN_CLOSE } TokenKind;
+typedef enum {
+    TOKEN_END, TOKEN_NAME, TOKEN_STRING, TOKEN_NUMBER, TOKEN_OPEN, TOKEN_CLOSE
+} TokenKind;
 
 typedef struct {
     TokenKind   kind;

@@ -29,8 +29,9 @@ static const char *nearest_kind(const char *name, bool area)
 static bool unknown_light(Place at, const char *name, bool area)
 {
     const char *near = nearest_kind(name, area);
-    return warn_at(at, "the %slight '%.60s' is not known%s%s%s; it is left out", area ? "area " : "",
-                   name, near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(at, "the %slight '%.60s' is not known%s%s%s; it is left out",
+                   area ? "area " : "", name, near ? ", did you mean '" : "", near ? near : "",
+                   near ? "'?" : "");
 }
 
 /* Lights that pbrt has and we have not, and what stands in for them. */

@@ -2,8 +2,8 @@
  * that model, with its own table of parameters; other names of the language stand in the table
  * below with the nearest model.
  *
- * "", "none" and "interface" mark surfaces that only separate media: they are left out. A mixture is
- * replaced by the part that weighs more. */
+ * "", "none" and "interface" mark surfaces that only separate media: they are left out. A mixture
+ * is replaced by the part that weighs more. */
 #include "scenefile/reader.h"
 
 #include <string.h>
@@ -23,7 +23,8 @@ typedef struct {
 static const Alias aliases[] = {
     { "matte", "diffuse", true, { { "Kd", "reflectance" } }, { { "reflectance", 0.5 } } },
     { "glass", "dielectric", true,
-      { { "Kr", "reflectance" }, { "Kt", "transmittance" }, { "index", "eta" } }, { { "eta", 1.5 } } },
+      { { "Kr", "reflectance" }, { "Kt", "transmittance" }, { "index", "eta" } },
+      { { "eta", 1.5 } } },
     { "metal", "conductor", true, { { NULL, NULL } }, { { "roughness", 0.01 } } },
     { "thindielectric", "dielectric", false, { { "index", "eta" } }, { { "eta", 1.5 } } },
     { "plastic", "coateddiffuse", false, { { "Kd", "reflectance" } },
@@ -34,7 +35,8 @@ static const Alias aliases[] = {
       { { "reflectance", 0.25 }, { "roughness", 0.1 } } },
     { "disney", "coateddiffuse", false, { { "color", "reflectance" } },
       { { "reflectance", 0.5 }, { "roughness", 0.5 } } },
-    { "kdsubsurface", "coateddiffuse", false, { { "Kd", "reflectance" } }, { { "reflectance", 0.5 } } },
+    { "kdsubsurface", "coateddiffuse", false, { { "Kd", "reflectance" } },
+      { { "reflectance", 0.5 } } },
     { "subsurface", "coateddiffuse", false, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
     { "translucent", "diffuse", false, { { "Kd", "reflectance" } }, { { "reflectance", 0.25 } } },
     { "diffusetransmission", "diffuse", false, { { NULL, NULL } }, { { "reflectance", 0.25 } } },
@@ -103,7 +105,8 @@ static void apply_alias(List *l, const Alias *a, const BsdfKind *kind)
             p->name = a->renames[i].to;
     }
     for (int i = 0; i < 3 && a->presets[i].name; i++)
-        if (!find_param(l, a->presets[i].name) && find_def(kind->info.options, a->presets[i].name) &&
+        if (!find_param(l, a->presets[i].name) &&
+            find_def(kind->info.options, a->presets[i].name) &&
             (strcmp(a->presets[i].name, "roughness") || !find_param(l, "uroughness")))
             add_number(l, a->presets[i].name, &a->presets[i].value, 1);
 }
@@ -182,7 +185,8 @@ static bool unknown_material(Place at, const char *type)
 /* The named material of a mixture that weighs more, or the neutral one. */
 static bool mixture(Reader *r, Place at, const Params *ps, uint32_t *index)
 {
-    const Param *list = params_find(ps, "materials", NULL), *amount = params_find(ps, "amount", NULL);
+    const Param *list = params_find(ps, "materials", NULL);
+    const Param *amount = params_find(ps, "amount", NULL);
     const char *name[2] = { NULL, NULL };
     bool v4 = list && list->kind == PARAM_STRING && list->n == 2, second;
     double k = 0.5;

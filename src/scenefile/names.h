@@ -8,7 +8,7 @@
 
 #define NAME_NONE UINT32_MAX
 
-typedef struct { const char *name; uint32_t value; } NameEntry;     /* name borrowed from an arena */
+typedef struct { const char *name; uint32_t value; } NameEntry;     /* name: in an arena */
 typedef struct {
     Lookup     lookup;          /* owned */
     NameEntry *entry;           /* owned */

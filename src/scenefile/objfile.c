@@ -8,8 +8,8 @@
  *               Ks without illum or with illum >= 2: phong of Kd, Ks, Ns;
  *               else: diffuse of Kd.
  *             Kd + Ks is scaled down to 1 where it is more. map_Kd multiplies Kd.
- * Light       Ke makes a group shine, to both sides: which side of a single face is meant, MTL does not
- *             say. The material stays as it is. */
+ * Light       Ke makes a group shine, to both sides: which side of a single face is meant, MTL
+ *             does not say. The material stays as it is. */
 #include "scenefile/reader.h"
 
 #include <string.h>
@@ -225,7 +225,8 @@ static bool read_library(Job *j, size_t k)
         return false;
     if (!file_exists(path)) {
         mem_free(path);
-        return warn_at(j->at, "the material file %s cannot be found; neutral materials are used", name);
+        return warn_at(j->at, "the material file %s cannot be found; neutral materials are used",
+                       name);
     }
     j->mtl_path[k + 1] = arena_string(&r->scene->arena, path, strlen(path));
     ok = j->mtl_path[k + 1] && reader_file(r, j->at, path, &f);
@@ -256,7 +257,8 @@ static bool look_of(Job *j, const char *name, Look *look)
     if (own != NAME_NONE)
         look->material = own;
     else if (m == NAME_NONE && j->nlist)
-        return warn_at(j->at, "no material is called '%.80s'; that of the scene file is used", name);
+        return warn_at(j->at, "no material is called '%.80s'; that of the scene file is used",
+                       name);
     else if (m != NAME_NONE)
         return make_material(r, j->list[m], &look->material) &&
                (look->area || make_area(r, j->list[m], &look->area));

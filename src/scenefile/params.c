@@ -1,4 +1,4 @@
-/* params.c -- typed parameter lists: "float radius" 1, "rgb L" [ 1 1 1 ], "spectrum eta" "metal-Cu-eta".
+/* params.c -- typed parameter lists: "float radius" 1 "rgb L" [1 1 1] "spectrum k" "metal-Cu-k".
  *
  * Both versions of the language are read: version 3 writes "color", "point" and "vector" where
  * version 4 has "rgb", "point3" and "vector3". A string without a type declares a parameter whose
@@ -26,6 +26,7 @@ static const TypeName type_names[] = {
     { "color", PARAM_FLOAT, FORM_RGB, 3 },        { "xyz", PARAM_FLOAT, FORM_XYZ, 3 }
 };
 enum { NTYPES = sizeof type_names / sizeof *type_names };
+#define INT_MOST 9007199254740992.0             /* 2^53: beyond it a double skips whole numbers */
 static const TypeName untyped = { "", PARAM_FLOAT, FORM_UNTYPED, 1 };
 
 void pool_clear(ParamPool *p)
@@ -104,7 +105,8 @@ static bool read_declaration(Reader *r, const Token *t, ParamSpan *span, const T
     first = cut_word(&rest);
     second = cut_word(&rest);
     if (!*first || *cut_word(&rest))
-        return err_at(t->at, "a parameter is declared by its type and its name, as in \"float fov\"");
+        return err_at(t->at,
+                      "a parameter is declared by its type and its name, as in \"float fov\"");
     *type = &untyped;
     if (*second) {
         for (i = 0; i < NTYPES && strcmp(first, type_names[i].name); i++)
@@ -133,7 +135,7 @@ static bool wrong_value(const Token *t, const char *expected)
 static bool take_string(Reader *r, Param *p, const Token *t)
 {
     ParamPool *pool = &r->pool;
-    size_t at;
+    size_t at = 0;
     if (t->kind != TOKEN_STRING)
         return wrong_value(t, "a string");
     p->n++;
@@ -154,7 +156,7 @@ static bool take_number(Reader *r, Param *p, const Token *t)
 {
     if (t->kind != TOKEN_NUMBER)
         return wrong_value(t, p->kind == PARAM_INT ? "a whole number" : "a number");
-    if (p->kind == PARAM_INT && (t->number != floor(t->number) || fabs(t->number) > 9007199254740992.0))
+    if (p->kind == PARAM_INT && (t->number != floor(t->number) || fabs(t->number) > INT_MOST))
         return err_at(t->at, "'%.*s' is not right, expected a whole number",
                       t->n < 40 ? (int)t->n : 40, t->s);
     p->n++;
@@ -196,7 +198,8 @@ static bool read_values(Reader *r, Param *p, Form form)
             break;
         if (t.kind == TOKEN_END || (t.kind == TOKEN_NAME && p->kind != PARAM_BOOL &&
                                     form != FORM_UNTYPED))
-            return err_at(t.at, "the list that begins in line %d has no end, expected a value or ']'",
+            return err_at(t.at,
+                          "the list that begins in line %d has no end, expected a value or ']'",
                           open.at.line);
         if (!take_value(r, p, &form, &t))
             return false;
@@ -241,7 +244,8 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
             break;
     }
     if (ok && (n < 2 || n % 2))
-        ok = err_at((Place){ path, 0, 0 }, "a spectrum file holds pairs of wavelength (nm) and value");
+        ok = err_at((Place){ path, 0, 0 },
+                    "a spectrum file holds pairs of wavelength (nm) and value");
     if (ok)
         spectrum_from_samples(r->cie, pairs, n / 2, use, rgb);
     mem_free(pairs);
@@ -251,7 +255,8 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
 }
 
 /* *known false: warned of, the parameter is to be left out. */
-static bool spectrum_of_string(Reader *r, const Param *p, SpectrumUse use, double rgb[3], bool *known)
+static bool spectrum_of_string(Reader *r, const Param *p, SpectrumUse use, double rgb[3],
+                               bool *known)
 {
     const char *name = r->pool.text + r->pool.string_at[r->pool.nstrings - 1], *near;
 
@@ -272,8 +277,8 @@ static bool spectrum_of_numbers(Reader *r, const Param *p, SpectrumUse use, cons
                                 double rgb[3])
 {
     if (p->n % 2)
-        return err_at(p->at, "a spectrum is given by pairs of wavelength (nm) and value, %lu numbers "
-                      "are given", (unsigned long)p->n);
+        return err_at(p->at, "%lu numbers are given, a spectrum has pairs of wavelength (nm) and "
+                      "value", (unsigned long)p->n);
     for (size_t i = 2; i < p->n; i += 2)
         if (v[i] <= v[i - 2])
             return err_at(p->at, "the wavelengths of a spectrum must rise");
@@ -284,7 +289,8 @@ static bool spectrum_of_numbers(Reader *r, const Param *p, SpectrumUse use, cons
 static bool blackbody_of(Reader *r, const Param *p, const double *v, double rgb[3])
 {
     if (p->n > 2)
-        return err_at(p->at, "a black body is given by its temperature, expected one number (or two, "
+        return err_at(p->at,
+                      "a black body is given by its temperature, expected one number (or two, "
                       "with a scale)");
     if (!(v[0] >= KELVIN_LEAST && v[0] <= KELVIN_MOST))
         return err_at(p->at, "the temperature of a black body is from 100 to 10000000 kelvin");
@@ -525,8 +531,8 @@ static const OptDef *def_of(const OptDef *defs, Param *p)
     return NULL;
 }
 
-/* A colour as a table wants it, in v[3]: its mean where a number is expected; within the range where
- * it was computed from a spectrum, since no spectrum fits the primaries exactly. */
+/* A colour as a table wants it, in v[3]: its mean where a number is expected; within the range
+ * where it was computed from a spectrum, since no spectrum fits the primaries exactly. */
 static void fit_colour(Param *p, const OptDef *d, double *v)
 {
     static const char *const computed[] = { "spectrum", "xyz", "blackbody", NULL };

@@ -1,9 +1,9 @@
 /* parser.c -- the grammar of the scene language: which directives there are, where they may stand,
  * and the files that Include and Import open.
  *
- * Source      The file formats of pbrt, versions 3 and 4 (and the names of version 2 that still occur).
- * Departs     A file without a Camera may begin with shapes: it is taken as a part of a world, so that
- *             pieces that scenes include can be looked at by themselves. */
+ * Source   The file formats of pbrt, versions 3 and 4 (and names of version 2 that still occur).
+ * Departs  A file without a Camera may begin with shapes: it is taken as a part of a world, so that
+ *          pieces that scenes include can be looked at by themselves. */
 #include "scenefile/reader.h"
 
 #include <string.h>

@@ -40,7 +40,8 @@ bool reader_finish(Reader *r)
 {
     if (!r->degenerate)
         return true;
-    return warn_at(r->degenerate_at, "%lu triangle%s of zero area left out (this mesh has the first)",
+    return warn_at(r->degenerate_at,
+                   "%lu triangle%s of zero area left out (this mesh has the first)",
                    (unsigned long)r->degenerate, r->degenerate == 1 ? " is" : "s are");
 }
 

@@ -131,7 +131,7 @@ bool reader_generate(Reader *r, Place at, uint64_t ntriangles);    /* false: too
 
 /* ---- params.c ---- */
 
-/* The parameters that follow, spectra turned into three numbers. In the pool until the next call. */
+/* The parameters that follow; spectra become three numbers. In the pool until the next call. */
 bool params_read(Reader *r, SpectrumUse use, Params *out);
 bool params_keep(Arena *arena, const Params *ps, const char *file, Params *out);   /* deep copy */
 void pool_clear(ParamPool *p);
@@ -140,8 +140,8 @@ void pool_clear(ParamPool *p);
 bool params_string(const Params *ps, const char *name, const char *otherwise, const char **s);
 /* n numbers by name; untouched if not given. False: of the wrong type or count, reported. */
 bool params_numbers(const Params *ps, const char *name, size_t n, double *v);
-/* Fits parameters to a table: colours become numbers where the table wants one (room has a row each);
- * parameters that the table has not and that say how to compute, not what, pass silently. */
+/* Fits parameters to a table: colours become numbers where the table wants one (room has a row
+ * each); parameters that the table has not and that say how to compute, not what, pass silently. */
 void params_fit(Params *ps, const OptDef *defs, double (*room)[3]);
 /* Appends what Attribute set for this target. list has room for PARAMS_MAX + DEFAULTS_MAX. */
 void params_with_defaults(const Reader *r, Target target, const Params *ps, Param *list,

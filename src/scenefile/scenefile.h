@@ -27,8 +27,8 @@ typedef struct {
 /* Reads by extension: .pbrt, .obj, .ply. False: reported, *f empty. A name that is not known gets
  * a warning with its place that says what is used instead. */
 bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits);
-/* The same from a text of the scene language; path is its name, for messages and for the files that it
- * names. */
+/* The same from a text of the scene language; path is its name, for messages and for the files that
+ * it names. */
 bool scenefile_parse(SceneFile *f, const char *path, const char *text, size_t n,
                      const ReadLimits *limits);
 void scenefile_clear(SceneFile *f);

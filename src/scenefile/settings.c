@@ -137,7 +137,8 @@ bool do_medium(Reader *r, Place at)
 {
     Token t;
     return reader_string(r, "the name of the medium", &t) && skip_params(r) &&
-           (!reader_once(r, ONCE_MEDIA) || warn_at(at, "media are not supported; they are left out"));
+           (!reader_once(r, ONCE_MEDIA) ||
+            warn_at(at, "media are not supported; they are left out"));
 }
 
 /* One name for both sides, or two. */

@@ -1,12 +1,12 @@
-/* shapes.c -- the Shape directive: triangle meshes written out or in files, spheres and discs, and the
- * table of all shapes. Curved shapes that become triangles are in tessellated.c.
+/* shapes.c -- the Shape directive: triangle meshes written out or in files, spheres and discs, and
+ * the table of all shapes. Curved shapes that become triangles are in tessellated.c.
  *
  * Space       Points go to world space here (inside ObjectBegin: to the object's). A sphere or disc
  *             that the transform does not keep one becomes triangles.
  * Front       Meshes with normals: the side of the normals, which ReverseOrientation turns round.
  *             Without: where the corners run counter-clockwise, turned round by ReverseOrientation
- *             and, so that a mirrored mesh keeps its outside, by transforms that swap hands. Spheres
- *             and discs: outwards and along +z of their own space, turned round by
+ *             and, so that a mirrored mesh keeps its outside, by transforms that swap hands.
+ *             Spheres and discs: outwards and along +z of their own space, turned round by
  *             ReverseOrientation. [PBRT4 6.1.4, and Sample of Sphere and Disk] */
 #include "scenefile/shapes.h"
 
@@ -106,9 +106,10 @@ bool shape_indices(const Params *ps, Place at, size_t corners, uint32_t nverts, 
         return err_at(p->at, "\"indices\" is not right, expected groups of %lu whole numbers",
                       (unsigned long)corners);
     for (size_t i = 0; i < p->n; i++)
-        if (!(p->numbers[i] >= 0 && p->numbers[i] < nverts) || p->numbers[i] != floor(p->numbers[i]))
-            return err_at(p->at, "index %lu of \"indices\" is %.0f, expected a whole number from 0 to "
-                          "%lu", (unsigned long)i, p->numbers[i], (unsigned long)nverts - 1);
+        if (!(p->numbers[i] >= 0 && p->numbers[i] < nverts) ||
+            p->numbers[i] != floor(p->numbers[i]))
+            return err_at(p->at, "index %lu of \"indices\" is %.0f, expected a whole number from "
+                          "0 to %lu", (unsigned long)i, p->numbers[i], (unsigned long)nverts - 1);
     return true;
 }
 
@@ -128,7 +129,7 @@ bool shape_triangles(const Params *ps, Place at, Mesh *m)
     return true;
 }
 
-/* An array of `group` numbers a vertex. *p NULL: not given, or of the wrong length and warned of. */
+/* An array of `group` numbers a vertex. *p NULL: not given, or of a wrong length and warned of. */
 static bool per_vertex(const Params *ps, const char *name, const char *also, size_t group,
                        uint32_t nverts, const Param **p)
 {
@@ -250,7 +251,8 @@ static bool read_sphere(Reader *r, Place at, const Params *ps, const Opts *o)
 
     (void)ps;
     if (!(zmin < zmax && zmin < radius && zmax > -radius))
-        return err_at(at, "the sphere is empty, expected zmin < zmax, both about -radius to radius");
+        return err_at(at,
+                      "the sphere is empty, expected zmin < zmax, both about -radius to radius");
     if (!sphere_init(&s, &r->state.ctm, radius, zmin, zmax, opt_float(o, "phimax")))
         return shape_distorted_sphere(r, at, o, zmin, zmax) &&
                warn_at(at, "the transform makes the sphere an ellipsoid; triangles are used");
@@ -270,7 +272,8 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
     (void)ps;
     if (!(inner < radius))
         return err_at(at, "the disc is empty, expected innerradius below radius");
-    if (!disk_init(&d, &r->state.ctm, opt_float(o, "height"), radius, inner, opt_float(o, "phimax")))
+    if (!disk_init(&d, &r->state.ctm, opt_float(o, "height"), radius, inner,
+                   opt_float(o, "phimax")))
         return shape_distorted_disk(r, at, o) &&
                warn_at(at, "the transform makes the disc an ellipse; triangles are used");
     if (!v_finite(d.centre) || !is_finite(d.radius) || !(d.radius > 0))
@@ -286,8 +289,8 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
                  .help = "scene units" }
 #define PHIMAX { .key = "phimax", .type = OPT_FLOAT, .num = 360, .lo = 1e-3, .hi = 360, \
                  .help = "how far round it goes, degrees" }
-#define FILENAME { .key = "filename", .type = OPT_STRING, .str = "", .help = "the file, as seen from "\
-                   "the scene's" }
+#define FILENAME { .key = "filename", .type = OPT_STRING, .str = "", \
+                   .help = "the file, as seen from that of the scene" }
 #define ZRANGE(key_, num_, help_) \
     { .key = key_, .type = OPT_FLOAT, .num = num_, .lo = -1e30, .hi = 1e30, .help = help_ }
 
@@ -299,7 +302,8 @@ static const OptDef sphere_options[] = {
 };
 static const OptDef disk_options[] = {
     RADIUS, ZRANGE("height", 0, "along z"),
-    { .key = "innerradius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30, .help = "of the hole" },
+    { .key = "innerradius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
+      .help = "of the hole" },
     PHIMAX, { .key = NULL }
 };
 static const OptDef cylinder_options[] = {
@@ -330,7 +334,8 @@ static const OptDef height_options[] = {
 };
 
 static const ShapeReader trianglemesh = {
-    { "trianglemesh", "PBRT4 6.5", "triangles: point3 P, integer indices, normal N, point2 uv", none },
+    { "trianglemesh", "PBRT4 6.5", "triangles: point3 P, integer indices, normal N, point2 uv",
+      none },
     read_trianglemesh
 };
 static const ShapeReader plymesh = {
@@ -357,7 +362,8 @@ static const ShapeReader cone = {
     { "cone", "PBRT3 3.5", "round z, open below; of triangles", cone_options }, shape_read_cone
 };
 static const ShapeReader paraboloid = {
-    { "paraboloid", "PBRT3 3.5", "round z; of triangles", paraboloid_options }, shape_read_paraboloid
+    { "paraboloid", "PBRT3 3.5", "round z; of triangles", paraboloid_options },
+    shape_read_paraboloid
 };
 static const ShapeReader hyperboloid = {
     { "hyperboloid", "PBRT3 3.5", "a line turned round z; of triangles", hyperboloid_options },
@@ -412,7 +418,8 @@ static bool alpha(Reader *r, const Params *ps, bool *nowhere)
 /* What opts_params must not call unknown: the arrays, which the readers take themselves. */
 static void mark_arrays(const Params *ps, const ShapeReader *s)
 {
-    static const char *const arrays[] = { "P", "N", "uv", "st", "S", "indices", "faceIndices", "Pz" };
+    static const char *const arrays[] = { "P", "N", "uv", "st", "S", "indices", "faceIndices",
+                                          "Pz" };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (s->info.options != file_options)
             params_find(ps, arrays[i], NULL);

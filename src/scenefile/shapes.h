@@ -6,7 +6,7 @@
 
 struct ShapeReader {
     KindInfo info;              /* options: single values; arrays (P, N, ...) are taken from ps */
-    bool (*read)(Reader *r, Place at, const Params *ps, const Opts *o);     /* NULL: not supported */
+    bool (*read)(Reader *r, Place at, const Params *ps, const Opts *o);  /* or NULL: unsupported */
 };
 
 /* ---- pieces that readers share; each false: reported ---- */

@@ -1,8 +1,9 @@
 /* spectra.c -- the spectra that have names: measured n and k of metals, glasses, illuminants.
  *
  * Sources     Ag, Au, Cu: [Johnson72] table I. Al: Rakic, Applied Optics 34 (1995). CuZn (70/30
- *             brass): Querry, CRDC-CR-85034 (1985). MgO: Stephens and Malitson, J. Res. NBS 49 (1952),
- *             the dispersion formula. TiO2 (ordinary ray of rutile): Devore, JOSA 41 (1951), formula.
+ *             brass): Querry, CRDC-CR-85034 (1985). MgO: Stephens and Malitson, J. Res. NBS 49
+ *             (1952), dispersion formula. TiO2 (ordinary ray of rutile): Devore, JOSA 41 (1951),
+ *             dispersion formula.
  *             Glasses: index at 587.6 nm (d line) of the Schott data sheets: rays carry three
  *             colours and do not split, so dispersion has no meaning here. Illuminants: the
  *             chromaticities of CIE 15 (1931 observer).

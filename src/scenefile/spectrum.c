@@ -7,8 +7,8 @@
  *             illuminant E. This is what version 3 of the language says.
  * Albedo      What a reflectance, or a refractive index, does to white: the RGB of the spectrum
  *             over the RGB of a flat one, channel by channel. A flat spectrum is grey.
- * Black body  "blackbody L" [T]: version 4 divides each emission spectrum by its luminance, so Y = 1.
- *             "blackbody L" [T scale]: version 3, the peak of the spectrum (Wien) is `scale`.
+ * Black body  "blackbody L" [T]: version 4 divides each emission spectrum by its luminance, so
+ *             Y = 1. "blackbody L" [T scale]: version 3, the spectrum's peak (Wien) is `scale`.
  * Departs     Inline and .spd spectra of lights keep their magnitude, as in version 3; version 4
  *             makes their luminance 1. Named illuminants, which only version 4 has, have Y = 1. */
 #include "scenefile/spectrum.h"
@@ -118,7 +118,8 @@ void spectrum_from_kelvin(const Cie *c, double kelvin, const double *scale, doub
 
 const char *const spectrum_spaces[] = { "srgb", "rec2020", "dci-p3", "aces2065-1", NULL };
 
-/* x, y of red, green, blue and white: ITU-R BT.2020, SMPTE EG 432-1 (P3, white D65), SMPTE ST 2065. */
+/* x, y of red, green, blue and white: IEC 61966-2-1, ITU-R BT.2020, SMPTE EG 432-1 (P3 with white
+ * D65), SMPTE ST 2065-1. */
 static const double chromaticities[][8] = {
     { 0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290 },
     { 0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290 },

@@ -1,6 +1,6 @@
 /* tessellated.c -- shapes of the scene language that become triangles: shapes of revolution, Loop
- * subdivision, bilinear patches, height fields. Their number is bounded for the whole scene, so that
- * a few words cannot ask for all memory. */
+ * subdivision, bilinear patches, height fields. Their number is bounded for the whole scene, so
+ * that a few words cannot ask for all memory. */
 #include "scenefile/shapes.h"
 
 #include "geometry/loop.h"
@@ -156,7 +156,8 @@ static void add_patch(Mesh *fine, const Mesh *m, const uint32_t v[4], uint32_t n
         p[k] = m->p[v[k]];
         if (m->n)
             nor[k] = m->n[v[k]];
-        uv[k] = m->uv ? v3(m->uv[v[k]].x, m->uv[v[k]].y, 0) : v3((float)(k & 1), (float)(k >> 1), 0);
+        uv[k] = m->uv ? v3(m->uv[v[k]].x, m->uv[v[k]].y, 0)
+                      : v3((float)(k & 1), (float)(k >> 1), 0);
     }
     for (uint32_t j = 0; j <= n; j++)
         for (uint32_t i = 0; i <= n; i++) {

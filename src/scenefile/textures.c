@@ -96,7 +96,8 @@ static bool mean_of(Build *b, Place at, const Texture *t, Rgb *mean)
 {
     b->r->averaged += pixels_of(t);
     if (b->r->averaged > AVERAGED_MAX)
-        return err_at(at, "means of textures are taken of more than %.0f pixels", (double)AVERAGED_MAX);
+        return err_at(at, "means of textures are taken of more than %.0f pixels",
+                      (double)AVERAGED_MAX);
     *mean = texture_mean(t);
     return true;
 }
@@ -171,7 +172,8 @@ Texture *texture_image(Reader *r, Place at, const char *name)
 
 static bool image_options(Build *b)
 {
-    static const char *const quality[] = { "filter", "maxanisotropy", "trilinear", "encoding", "gamma" };
+    static const char *const quality[] = { "filter", "maxanisotropy", "trilinear", "encoding",
+                                           "gamma" };
     const char *wrap;
     const Param *p = params_find(b->ps, "wrap", NULL), *invert = params_find(b->ps, "invert", NULL);
 
@@ -223,7 +225,8 @@ static bool make_checkerboard(Build *b, Place at, Texture **t)
     if (!mean_of(b, at, c, &mean))
         return false;
     *t = constant(b->r, mean);
-    return *t && warn_at(at, "only two-dimensional checkerboards are supported; their mean is used");
+    return *t &&
+           warn_at(at, "only two-dimensional checkerboards are supported; their mean is used");
 }
 
 /* Version 3 multiplies tex1 and tex2, version 4 tex and scale. */

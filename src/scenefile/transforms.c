@@ -85,7 +85,8 @@ bool do_look_at(Reader *r, Place at)
     if (!xf_look_at(&t, v3((float)v[0], (float)v[1], (float)v[2]),
                     v3((float)v[3], (float)v[4], (float)v[5]),
                     v3((float)v[6], (float)v[7], (float)v[8])))
-        return err_at(at, "LookAt needs an eye apart from its target, and an up that points elsewhere");
+        return err_at(at,
+                      "LookAt needs an eye apart from its target, and an up that points elsewhere");
     return append(r, at, &t);
 }
 
