@@ -46,22 +46,41 @@ static Ray into_instance(const Instance *in, const Ray *r, float tmax)
     return (Ray){ affine_point(&in->to_object, r->o), affine_vector(&in->to_object, r->d), tmax };
 }
 
+/* Where the ray enters the instance's bounds; false: not before tmax, or beyond all floats. */
+static bool instance_entry(const Instance *in, const Probe *p, float tmax, float *near)
+{
+    float b[8] = { in->bounds.lo.x, in->bounds.lo.y, in->bounds.lo.z, 0,
+                   in->bounds.hi.x, in->bounds.hi.y, in->bounds.hi.z, 0 }, far;
+    return slabs(p, b, tmax, near, &far) && *near < INFINITY;
+}
+
 /* t from inside is raised to the entry of the instance's bounds, so that boxes around those are
- * never passed over for it; see slabs() in ray.h. */
+ * never passed over for it; see slabs() in ray.h. It is not lowered to their exit: a bound on t
+ * that the query inside does not know of would make the answer depend on what was met before. */
 static bool instance_nearest(const Instance *in, const Ray *r, const Probe *p, uint32_t prim,
                              Hit *h, Steps *steps)
 {
     Ray local = into_instance(in, r, h->t);
+    float near;
     Hit inner;
 
-    if (!in->accel->kind->nearest(in->accel, &local, &inner, steps) ||
-        !hit_in_box(p, in->bounds, &inner.t))
+    if (!instance_entry(in, p, h->t, &near) ||
+        !in->accel->kind->nearest(in->accel, &local, &inner, steps))
         return false;
+    inner.t = f_max(inner.t, near);
     if (inner.t > h->t || (inner.t == h->t && prim >= h->outer))
         return false;
     *h = inner;
     h->outer = prim;
     return true;
+}
+
+static bool instance_blocks(const Instance *in, const Ray *r, const Probe *p, Steps *steps)
+{
+    Ray local = into_instance(in, r, r->tmax);
+    float near;
+    return instance_entry(in, p, r->tmax, &near) &&
+           in->accel->kind->blocked(in->accel, &local, steps);
 }
 
 bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Hit *h,
@@ -90,10 +109,8 @@ bool odd_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, 
     const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
     Hit h;
 
-    if (s->kind == SHAPE_INSTANCE) {
-        Ray local = into_instance(&s->as.instance, r, r->tmax);
-        return s->as.instance.accel->kind->blocked(s->as.instance.accel, &local, steps);
-    }
+    if (s->kind == SHAPE_INSTANCE)
+        return instance_blocks(&s->as.instance, r, p, steps);
     h.t = r->tmax;
     h.outer = NO_PRIM;
     return odd_nearest(g, prim, r, p, &h, steps);

@@ -15,6 +15,7 @@
 #define PREFETCH(p) __builtin_prefetch(p)
 #define NOINLINE    __attribute__((noinline))
 #define INLINE      static inline __attribute__((always_inline, unused))
+#define SWAP_BYTES(x) __builtin_bswap64(x)
 #else
 #define PRINTF_LIKE(f, a)
 #define LIKELY(c)   (c)
@@ -22,6 +23,10 @@
 #define PREFETCH(p) ((void)(p))
 #define NOINLINE
 #define INLINE      static inline
+#define SWAP_BYTES(x)                                                                  \
+    (((x) & 0xFFu) << 56 | ((x) & 0xFF00u) << 40 | ((x) & 0xFF0000u) << 24 |           \
+     ((x) & 0xFF000000u) << 8 | ((x) >> 8 & 0xFF000000u) | ((x) >> 24 & 0xFF0000u) |   \
+     ((x) >> 40 & 0xFF00u) | (x) >> 56)
 #endif
 
 #endif

@@ -5,8 +5,6 @@
 
 #include "base/platform.h"
 
-#include <string.h>
-
 #if defined(__GNUC__) && defined(__SSE__) && !defined(RUSHLIGHT_PLAIN)
 
 typedef float F4 __attribute__((vector_size(16)));
@@ -18,14 +16,24 @@ INLINE F4 f4_mul(F4 a, F4 b) { return a * b; }
 INLINE F4 f4_max(F4 a, F4 b) { return __builtin_ia32_maxps(a, b); }
 INLINE float f4_lane(F4 a, int k) { return a[k]; }
 
-/* lo[0] lo[1] hi[0] hi[1] */
-INLINE F4 f4_pairs(const float *lo, const float *hi)
+/* Four floats at an address that is a multiple of 16. */
+INLINE F4 f4_load(const float *p) { return *(const F4 *)p; }
+
+/* What f4_turn does: exchange the two halves, or leave them. */
+typedef int F4Turn __attribute__((vector_size(16)));
+INLINE F4Turn f4_turn_if(int turn)
 {
-    typedef double D2 __attribute__((vector_size(16)));
-    double a, b;
-    memcpy(&a, lo, 8);
-    memcpy(&b, hi, 8);
-    return (F4)(D2){ a, b };
+    return turn ? (F4Turn){ 2, 3, 0, 1 } : (F4Turn){ 0, 1, 2, 3 };
+}
+INLINE F4 f4_turn(F4 a, F4Turn turn)
+{
+#ifdef __AVX__
+    return __builtin_ia32_vpermilvarps(a, turn);
+#else
+    F4Turn same = turn == (F4Turn){ 0, 1, 2, 3 };
+    F4Turn turned = (F4Turn)__builtin_shufflevector(a, a, 2, 3, 0, 1);
+    return (F4)(((F4Turn)a & same) | (turned & ~same));
+#endif
 }
 
 /* Bit k: a[k] + a[k + 2] <= 0, for k = 0, 1. */
@@ -67,7 +75,14 @@ INLINE F4 f4_max(F4 a, F4 b)
     return a;
 }
 INLINE float f4_lane(F4 a, int k) { return a.v[k]; }
-INLINE F4 f4_pairs(const float *lo, const float *hi) { return f4(lo[0], lo[1], hi[0], hi[1]); }
+INLINE F4 f4_load(const float *p) { return f4(p[0], p[1], p[2], p[3]); }
+
+typedef int F4Turn;
+INLINE F4Turn f4_turn_if(int turn) { return turn; }
+INLINE F4 f4_turn(F4 a, F4Turn turn)
+{
+    return turn ? f4(a.v[2], a.v[3], a.v[0], a.v[1]) : a;
+}
 INLINE int f4_halves_cancel(F4 a)
 {
     return (a.v[0] + a.v[2] <= 0.0f ? 1 : 0) | (a.v[1] + a.v[3] <= 0.0f ? 2 : 0);

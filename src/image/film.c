@@ -108,11 +108,15 @@ void film_tile(const Film *f, uint32_t k, uint32_t *x0, uint32_t *y0, uint32_t *
     *y1 = f->y1 - *y0 > FILM_TILE ? *y0 + FILM_TILE : f->y1;
 }
 
-static bool good(Rgb c)
+/* Whether exact_add would take it: by the exponent alone. */
+static bool fits(float v)
 {
-    Exact none = { 0, 0 };
-    return exact_add(&none, c.r) && exact_add(&none, c.g) && exact_add(&none, c.b);
+    uint32_t bits;
+    memcpy(&bits, &v, 4);
+    return (int)(bits >> 23 & 255) - 150 <= MOST_EXPONENT - 24;
 }
+
+static bool good(Rgb c) { return fits(c.r) && fits(c.g) && fits(c.b); }
 
 static void add_layer(Exact *sum, Rgb c)
 {

@@ -1,6 +1,6 @@
 /* path.c -- path tracing.
  *
- * Source      [Cline07 7.4, 4.4.3], [GIRT10 2.2.2], [Veach97] for the power heuristic.
+ * Source      [Cline07 7.4, 4.4.3], [GIRT 2.2.2], [Veach97] for the power heuristic.
  * Idea        An eye path grows by sampling the BSDF. At each vertex it may be completed in two
  *             ways: implicitly, by meeting a light, and explicitly, by a connection to a sampled
  *             point of one. Each path that both ways can make is weighted by the heuristic on the
@@ -239,7 +239,7 @@ static const OptDef options[] = {
 };
 
 const IntegratorKind integrator_path = {
-    .info = { "path", "Cline07 7.4; GIRT10 2.2.2",
+    .info = { "path", "Cline07 7.4; GIRT 2.2.2",
               "path tracing, implicit and explicit light paths combined", options },
     .truth = UNBIASED, .misses = "point and distant lights seen through delta surfaces",
     .open = open_path, .close = close_path, .radiance = radiance

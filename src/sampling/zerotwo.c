@@ -12,17 +12,16 @@
  * Counts      Any; powers of two are best, since then the blocks are whole. */
 #include "sampling/sampler.h"
 
-/* Reverses the bits of each half of x by itself. */
-static uint64_t reverse_halves(uint64_t x)
+/* All 64 bits in reverse: bytes, then the bits in each. */
+static uint64_t reverse_all(uint64_t x)
 {
-    x = (x & 0x5555555555555555u) << 1 | (x >> 1 & 0x5555555555555555u);
-    x = (x & 0x3333333333333333u) << 2 | (x >> 2 & 0x3333333333333333u);
+    x = SWAP_BYTES(x);
     x = (x & 0x0F0F0F0F0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0F0F0F0F0Fu);
-    x = (x & 0x00FF00FF00FF00FFu) << 8 | (x >> 8 & 0x00FF00FF00FF00FFu);
-    return (x & 0x0000FFFF0000FFFFu) << 16 | (x >> 16 & 0x0000FFFF0000FFFFu);
+    x = (x & 0x3333333333333333u) << 2 | (x >> 2 & 0x3333333333333333u);
+    return (x & 0x5555555555555555u) << 1 | (x >> 1 & 0x5555555555555555u);
 }
 
-static uint32_t reverse_bits(uint32_t x) { return (uint32_t)reverse_halves(x); }
+static uint32_t reverse_bits(uint32_t x) { return (uint32_t)(reverse_all(x) >> 32); }
 
 /* A hash in which each bit depends on the bits below it only: on a number with its bits reversed
  * that is a nested swap of halves. [Burley20 listing 1] */
@@ -71,7 +70,7 @@ static V2 two(Sampler *s, Decision d)
     uint32_t x = hash_upwards(i, (uint32_t)(seeds >> 32));
     uint32_t y = hash_upwards(pascal(i), (uint32_t)(seeds >> 16) * 0x9E3779B9u);
 
-    both = reverse_halves((uint64_t)x << 32 | y);
+    both = reverse_all((uint64_t)y << 32 | x);          /* which also changes their places */
     return (V2){ unit_of((uint32_t)(both >> 32)), unit_of((uint32_t)both) };
 }
 
