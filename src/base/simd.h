@@ -21,9 +21,9 @@ INLINE F4 f4_load(const float *p) { return *(const F4 *)p; }
 
 /* What f4_turn does: exchange the two halves, or leave them. */
 typedef int F4Turn __attribute__((vector_size(16)));
-INLINE F4Turn f4_turn_if(int turn)
+INLINE F4Turn f4_turn_if(int turn)      /* 0 or 1; no branch, since it would be taken at random */
 {
-    return turn ? (F4Turn){ 2, 3, 0, 1 } : (F4Turn){ 0, 1, 2, 3 };
+    return (F4Turn){ 0, 1, 2, 3 } ^ (turn << 1);
 }
 INLINE F4 f4_turn(F4 a, F4Turn turn)
 {

@@ -210,36 +210,57 @@ static V3 weighted(V3 a, V3 b, V3 c, float wa, float wb, float wc)
 
 /* The point is interpolated, not taken along the ray: its error is then a few roundings of the
  * corners, however far the ray came from. [PBRT4 6.8.5]: gamma(7) times the sum of the terms. */
-static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err, V3 *n)
 {
-    const Tri *t = &g->tri[h->prim];
-    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
+    const Tri *t = &g->tri[prim];
+    float w = f_max(0.0f, 1.0f - u - v);
     V3 a = g->p[t->v[0]], b = g->p[t->v[1]], c = g->p[t->v[2]];
 
-    s->p = weighted(a, b, c, w, u, v);
-    s->err = v_scale(weighted(v_abs(a), v_abs(b), v_abs(c), w, u, v), ROUNDINGS(7));
-    s->ng = v_unit(v_cross(v_sub(b, a), v_sub(c, a)));
-    if (!shape->plain)
-        s->uv = (V2){ u, v };
-    if (shape->uv && !shape->plain) {
+    *p = weighted(a, b, c, w, u, v);
+    *err = v_scale(weighted(v_abs(a), v_abs(b), v_abs(c), w, u, v), ROUNDINGS(7));
+    *n = v_unit(v_cross(v_sub(b, a), v_sub(c, a)));
+}
+
+static void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+{
+    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
+    const Tri *t = &g->tri[h->prim];
+
+    s->uv = (V2){ u, v };
+    if (shape->uv) {
         const V2 *uv = shape->uv - shape->first_vertex;
         V2 p = uv[t->v[0]], q = uv[t->v[1]], r = uv[t->v[2]];
         s->uv.x = w * p.x + u * q.x + v * r.x;
         s->uv.y = w * p.y + u * q.y + v * r.y;
     }
-    s->ns = s->ng;
-    if (shape->n) {
-        const V3 *n = shape->n - shape->first_vertex;
-        V3 m = v_unit(weighted(n[t->v[0]], n[t->v[1]], n[t->v[2]], w, u, v));
-        if (m.x != 0.0f || m.y != 0.0f || m.z != 0.0f) {
-            if (v_dot(m, s->ng) < 0.0f)                 /* the file's normals say what is front */
-                s->ng = v_neg(s->ng);
-            s->ns = m;
-            return;
-        }
-    }
+}
+
+/* The shading normal where the file gives normals, which also say what is the front. */
+static bool triangle_normal(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+{
+    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
+    const Tri *t = &g->tri[h->prim];
+    const V3 *n = shape->n - shape->first_vertex;
+    V3 m = v_unit(weighted(n[t->v[0]], n[t->v[1]], n[t->v[2]], w, u, v));
+
+    if (m.x == 0.0f && m.y == 0.0f && m.z == 0.0f)
+        return false;
+    if (v_dot(m, s->ng) < 0.0f)
+        s->ng = v_neg(s->ng);
+    s->ns = m;
+    return true;
+}
+
+static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+{
+    geometry_point(g, h->prim, h->u, h->v, &s->p, &s->err, &s->ng);
+    if (!shape->plain)
+        triangle_uv(g, shape, h, s);
+    if (shape->n && triangle_normal(g, shape, h, s))
+        return;
     if (shape->flip)
-        s->ng = s->ns = v_neg(s->ng);
+        s->ng = v_neg(s->ng);
+    s->ns = s->ng;
 }
 
 static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
