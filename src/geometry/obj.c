@@ -265,7 +265,7 @@ static bool read_face(Obj *o, Place at)
     Word w;
 
     while ((w = obj_word(&o->t)).n) {
-        Corner c;
+        Corner c = { 0, 0, 0 };
         uint32_t vertex;
         if (!parse_corner(o, w, &c))
             return false;
