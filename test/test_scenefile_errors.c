@@ -66,6 +66,9 @@ static const Fault faults[] = {
     { 1, 10, "wavelengths of a spectrum must rise", "Film \"x\" \"spectrum a\" [500 1 400 1]" },
     { 1, 10, "from 100 to 10000000 kelvin", "Film \"x\" \"blackbody a\" 50" },
     { 1, 31, "the file", "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"none.spd\"" },
+    { 1, 31, "2 spectra are given",
+      "WorldBegin Material \"diffuse\" \"spectrum reflectance\" [\"a\" \"b\"]" },
+    { 1, 10, "the spectrum is out of range", "Film \"x\" \"xyz a\" [3e38 0 0]" },
     /* values that a table refuses */
     { 1, 22, "a number from", "Camera \"perspective\" \"float fov\" 200" },
     { 1, 31, "one number or three",
@@ -80,7 +83,27 @@ static const Fault faults[] = {
     { 1, 37, "not finite",
       "WorldBegin Translate 3e38 3e38 3e38 Shape \"trianglemesh\" \"point3 P\" "
       "[3e38 0 0 0 1 0 0 0 1]" },
+    { 1, 40, "expected a number, a colour or a texture",
+      "WorldBegin Texture \"a\" \"float\" \"scale\" \"string tex1\" \"x\"" },
+    { 1, 40, "expected one number or three",
+      "WorldBegin Texture \"a\" \"float\" \"scale\" \"float tex1\" [1 2]" },
+    { 1, 40, "expected one texture",
+      "WorldBegin Texture \"a\" \"float\" \"scale\" \"texture tex1\" [\"b\" \"c\"]" },
+    { 1, 47, "\"uscale\" is not right, expected 1 number",
+      "WorldBegin Texture \"a\" \"float\" \"checkerboard\" \"float uscale\" [1 2]" },
+    { 1, 43, "\"filename\" is not right, expected one string",
+      "WorldBegin Texture \"a\" \"float\" \"imagemap\" \"float filename\" 1" },
+    { 1, 67, "\"wrap\" is not right, expected one string", "WorldBegin Texture \"a\" \"float\" "
+      "\"imagemap\" \"string filename\" \"b\"   \"float wrap\" 1" },
     /* shapes */
+    { 1, 33, "\"P\" is not right",
+      "WorldBegin Shape \"trianglemesh\" \"integer P\" [1 2 3]" },
+    { 1, 62, "\"N\" is not right, expected numbers",
+      "WorldBegin Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0]\"string N\" \"a\"" },
+    { 1, 36, "the sphere is not finite, or has no size",
+      "WorldBegin Scale 1e-20 1e-20 1e-20 Shape \"sphere\" \"float radius\" 1e-30" },
+    { 1, 36, "the disc is not finite",
+      "WorldBegin Scale 1e20 1e20 1e20    Shape \"disk\" \"float radius\" 1e20" },
     { 1, 12, "needs its points", "WorldBegin Shape \"trianglemesh\"" },
     { 1, 12, "needs \"integer indices\"",
       "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1]" },
@@ -188,6 +211,19 @@ static const Fault warnings[] = {
     { 1, 1, "media are not supported", "MakeNamedMedium \"a\" \"string type\" \"homogeneous\"" },
     { 1, 8, "the option 'seed' is left out", "Option \"integer seed\" 7" },
     { 1, 8, "the option 'disablepixeljitter' is left out", "Option \"disablepixeljitter\" true" },
+    { 1, 34, "media are not supported; they", "WorldBegin Shape \"sphere\"        "
+      "MediumInterface \"a\"" },
+    { 1, 1, "media are not supported; VolumeIntegrator", "VolumeIntegrator \"a\" \"float b\" 1" },
+    { 1, 51, "the mapping 'planar' is not supported; uv is used", "WorldBegin Texture \"a\" "
+      "\"float\" \"checkerboard\"     \"string mapping\" \"planar\" \"vector v1\" [1 0 0]" },
+    { 1, 12, "only two-dimensional checkerboards", "WorldBegin Texture \"a\" \"float\" "
+      "\"checkerboard\" \"integer dimension\" 3" },
+    { 1, 74, "is defined again", "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"matte\" "
+      "MakeNamedMaterial \"a\" \"string type\" \"mirror\"" },
+    { 1, 43, "is defined again", "WorldBegin Texture \"a\" \"float\" \"constant\" "
+      "Texture \"a\" \"float\" \"constant\"" },
+    { 1, 55, "shapes of objects cannot be lights", "WorldBegin ObjectBegin \"a\" "
+      "AreaLightSource \"diffuse\"  Shape \"disk\" Shape \"disk\" ObjectEnd" },
     { 1, 24, "triangles are used", "WorldBegin Scale 1 2 3 Shape \"sphere\"" },
 };
 
@@ -214,6 +250,44 @@ static void warnings_say(void)
         messages_take(line, sizeof line);
         EXPECT(mem_blocks() == 0, "%ld blocks are kept: %s", mem_blocks(), w->text);
     }
+}
+
+/* ---- other files ---- */
+
+static void spd_errors(void)
+{
+    static const struct { const char *text, *says; } rows[] = {
+        { "400 1\n500 x\n", "a.spd:2:5: a spectrum file holds pairs" },
+        { "400 1\n\n400 2\n", "a.spd:3:1: wavelengths must rise" },
+        { "400 1\n500", "a.spd: a spectrum file holds pairs" },
+        { "# none\n", "a.spd: a spectrum file holds pairs" },
+    };
+    char line[2000];
+    SceneFile f;
+
+    messages_start();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        scene_write("a.spd", rows[i].text);
+        err_reset();
+        EXPECT(!scene_parse(&f, "WorldBegin Material \"metal\" \"spectrum k\" \"a.spd\""),
+               "was read: %s", rows[i].text);
+        EXPECT(messages_take(line, sizeof line) == 1 && strstr(line, rows[i].says), "%s", line);
+        EXPECT(mem_blocks() == 0, "blocks are kept");
+    }
+}
+
+static void many_parameters(void)
+{
+    char text[300 * 20], line[2000];
+    size_t n = (size_t)sprintf(text, "Film \"x\"");
+    SceneFile f;
+
+    for (int i = 0; i < 257; i++)
+        n += (size_t)sprintf(text + n, " \"float a%d\" 1", i);
+    messages_start();
+    EXPECT(!scene_parse(&f, text), "was read");
+    messages_take(line, sizeof line);
+    EXPECT(strstr(line, "more than 256 parameters"), "%s", line);
 }
 
 /* ---- files that include files ---- */
@@ -321,6 +395,8 @@ static void texture_bomb(void)
 const TestCase test_scenefile_errors[] = {
     { "places", places, false },
     { "warnings", warnings_say, false },
+    { "spd_errors", spd_errors, false },
+    { "many_parameters", many_parameters, false },
     { "include_errors", include_errors, false },
     { "include_bomb", include_bomb, false },
     { "deep", deep, false },

@@ -189,18 +189,21 @@ static void other_shapes(void)
         "\"float Pz\" [0 1 2 3 4 5]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1 2 0 0 2 1 0]\n"
-        "\"integer indices\" [0 1 2 3 1 4 3 5]\n",
+        "\"integer indices\" [0 1 2 3 1 4 3 5]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n"
+        "\"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1] \"point2 uv\" [0 0 2 0 0 2 2 2]\n",
         0);
     const Geometry *g = &f.scene->geometries[0];
     bool on = true;
 
-    REQUIRE(g->nshapes == 3, "three shapes");
+    REQUIRE(g->nshapes == 4, "four shapes");
     EXPECT(g->shapes[0].count == 4 && v_equal(g->p[4], v3(0.5f, 1, 4)), "height field");
     EXPECT(g->shapes[1].count == 2, "a parallelogram is two triangles");
     EXPECT(g->shapes[2].count == 2 * 2 * 16 * 16, "two patches of 16 x 16");
     for (size_t v = g->shapes[2].first_vertex; v < g->shapes[2].first_vertex + 17u * 17; v++)
         on = on && fabsf(g->p[v].z - g->p[v].x * g->p[v].y) < 1e-6f;       /* z = x y */
     EXPECT(on, "points of a bilinear patch");
+    EXPECT(g->shapes[3].n[3].z == -1 && g->shapes[3].uv[3].x == 2, "given normals and uv");
     scenefile_clear(&f);
 }
 
@@ -531,8 +534,9 @@ static void interfaces_and_mixtures(void)
 
     messages_nowhere();
     f = scene_of("WorldBegin Material \"interface\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD
-                 "AreaLightSource \"diffuse\" Shape \"sphere\"", 1);
-    EXPECT(f.scene->geometries[0].nshapes == 1 && f.scene->nlights == 1, "only the light is there");
+                 "AreaLightSource \"diffuse\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD, 1);
+    EXPECT(f.scene->geometries[0].nshapes == 2 && f.scene->nlights == 2, "only lights are there");
+    EXPECT(scene_shape(&f, 1)->material == 0, "they have a material");
     scenefile_clear(&f);
     f = scene_of(
         "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"

@@ -111,20 +111,6 @@ static void apply_alias(List *l, const Alias *a, const BsdfKind *kind)
             add_number(l, a->presets[i].name, &a->presets[i].value, 1);
 }
 
-/* Models with one roughness take that along u. */
-static void join_roughness(List *l, const BsdfKind *kind)
-{
-    Param *u = find_param(l, "uroughness"), *v = find_param(l, "vroughness");
-    if (find_def(kind->info.options, "uroughness") || !find_def(kind->info.options, "roughness"))
-        return;
-    if (v)
-        v->used = true;
-    if (u && !find_param(l, "roughness"))
-        u->name = "roughness";
-    else if (u)
-        u->used = true;
-}
-
 /* ---- making one ---- */
 
 /* Textures where the table wants numbers: options of colour and of number take them. */
@@ -243,7 +229,6 @@ bool material_make(Reader *r, Place at, const char *type, const Params *ps, cons
     l.at = at;
     if (alias)
         apply_alias(&l, alias, kind);
-    join_roughness(&l, kind);
     if (alias && !alias->exact)                 /* what the model has not is told by the warning */
         for (size_t i = 0; i < l.n; i++)
             l.p[i].used = true;

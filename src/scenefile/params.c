@@ -227,8 +227,10 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
     }
     text_init(&t, path, f.bytes, f.size);
     for (;;) {
+        Place here;
         float v;
         text_space(&t);
+        here = text_place(&t);
         if (text_peek(&t) == '#') {
             Text comment;
             text_line(&t, &comment);
@@ -237,9 +239,9 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
         if (text_done(&t))
             break;
         if (!text_float(&t, &v) || !is_finite(v))
-            ok = err_at(text_place(&t), "a spectrum file holds pairs of wavelength (nm) and value");
+            ok = err_at(here, "a spectrum file holds pairs of wavelength (nm) and value");
         else if (n % 2 == 0 && n && v <= pairs[n - 2])
-            ok = err_at(text_place(&t), "wavelengths must rise");
+            ok = err_at(here, "wavelengths must rise");
         if (!ok || !(ok = MEM_PUSH(pairs, n, cap, v)))
             break;
     }
@@ -315,7 +317,7 @@ static void to_our_space(const Reader *r, const double v[3], double rgb[3])
 static bool to_rgb(Reader *r, Param *p, size_t first, Form form, SpectrumUse use, bool *known)
 {
     ParamPool *pool = &r->pool;
-    const double *v = pool->numbers + first;
+    const double *v = pool->numbers ? pool->numbers + first : NULL;
     double rgb[3] = { 0, 0, 0 };
 
     if ((form == FORM_RGB || form == FORM_XYZ) && p->n != 3)
