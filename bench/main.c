@@ -1,0 +1,54 @@
+/* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Tab-separated lines on
+ * standard output; figures of the best peers stand beside ours where there are any. Each figure is
+ * the median of several runs after a warm-up, in CPU time of the process; what was computed is
+ * checked, and a line that fails its check says WRONG. */
+#include "bench/bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+
+static const struct { const char *name; void (*run)(void); } benches[] = {
+    { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
+    { "error", bench_error },
+};
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double median(double *v, int n)
+{
+    qsort(v, (size_t)n, sizeof *v, by_size);
+    return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
+}
+
+static void machine(void)
+{
+    struct utsname u;
+    const char *compiler =
+#if defined(__clang__)
+        "clang " __clang_version__;
+#elif defined(__GNUC__)
+        "gcc " __VERSION__;
+#else
+        "another compiler";
+#endif
+    uname(&u);
+    printf("# %s %s, %s, %d processors\n", u.sysname, u.machine, compiler, processors());
+}
+
+int main(int argc, char **argv)
+{
+    const char *text = argc > 1 ? argv[1] : "";
+
+    messages_quiet(true);
+    machine();
+    for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)
+        if (strstr(benches[i].name, text))
+            benches[i].run();
+    return 0;
+}

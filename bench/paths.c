@@ -1,0 +1,97 @@
+/* paths.c -- path tracing: throughput, and error against a reference. */
+#include "bench/bench.h"
+#include "image/compare.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RUNS = 5 };
+
+/* Renders a scene of scenes/ with spp samples; false: it said why. */
+static bool run(const char *scene, const char *integrator, uint32_t spp, int threads, Image *im,
+                RenderReport *report)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    RenderRequest q;
+    RenderSettings s;
+    SceneFile f;
+    Film film;
+    bool ok;
+
+    memset(&q, 0, sizeof q);
+    q.integrator = integrator;
+    q.spp = spp;
+    q.threads = threads;
+    q.max_pixels = limits.max_pixels;
+    if (!scenefile_read(&f, scene, &limits))
+        return false;
+    ok = settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, threads) &&
+         render(f.scene, &s, &film, report);
+    if (ok && im) {
+        ok = image_init(im, film.w, film.h);
+        if (ok)
+            film_picture(&film, 0, im);
+    }
+    if (ok)
+        film_clear(&film);
+    scenefile_clear(&f);
+    return ok;
+}
+
+static void throughput(const char *scene, const char *integrator, const char *peer)
+{
+    double paths[RUNS], rays[RUNS];
+    RenderReport r;
+
+    for (int k = -1; k < RUNS; k++) {
+        if (!run(scene, integrator, 16, 1, NULL, &r))
+            return;
+        if (k >= 0) {
+            paths[k] = (double)r.samples * 1e-6 / r.cpu_seconds;
+            rays[k] = (double)r.rays * 1e-6 / r.cpu_seconds;
+        }
+    }
+    printf("paths\t%s\t%s\tMpaths a CPU-second %.3f\tMrays a CPU-second %.2f\t%s\n", scene,
+           integrator, median(paths, RUNS), median(rays, RUNS), peer);
+}
+
+/* Roulette from the first bounce is what the SmallVCM program does; Mitsuba waits for the fifth. */
+void bench_paths(void)
+{
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=1", "peer: SmallVCM 0.79");
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "peer: Mitsuba 0.6 1.03");
+    throughput("scenes/s4.pbrt", "path:maxdepth=9", "");
+    throughput("scenes/cornell.pbrt", "path:maxdepth=12", "");
+}
+
+/* relMSE falls as one over the number of samples (faster for stratified ones): so it is measured at
+ * the count that 20 CPU-seconds allow. */
+static void error_after(const char *scene, const char *reference, const char *peer)
+{
+    const char *root = getenv("RUSHLIGHT_DATA");
+    char path[600];
+    ImageDifference d;
+    RenderReport r;
+    Image im, ref;
+    uint32_t spp;
+
+    snprintf(path, sizeof path, "%s/%s", root ? root : "../shared/data", reference);
+    if (!run(scene, NULL, 16, 1, NULL, &r) || !image_read(&ref, path, IMAGE_PIXELS_DEFAULT))
+        return;
+    spp = (uint32_t)(16 * 20.0 / r.cpu_seconds);
+    if (run(scene, NULL, spp, processors(), &im, &r)) {
+        if (image_compare(&im, scene, &ref, path, &d))
+            printf("error\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.6f\tscaled to 20 s %.6f\t"
+                   "mean ratio %.5f\t%s\n", scene, (unsigned long)spp, r.cpu_seconds, d.relmse,
+                   d.relmse * r.cpu_seconds / 20, d.ratio, peer);
+        image_clear(&im);
+    }
+    image_clear(&ref);
+}
+
+void bench_error(void)
+{
+    error_after("scenes/s4.pbrt", "smallvcm-s4.pfm", "peers: Cycles 0.0007, Mitsuba 0.0008");
+    error_after("scenes/s1.pbrt", "smallvcm-s1.pfm", "peers: Mitsuba 0.0393");
+}
