@@ -59,7 +59,7 @@ fi
             file = ARGV[i]
             if (file !~ /\.c$/) continue
             split("", seen)
-            obj = file; sub(/\.c$/, ".o", obj); obj = dir "/" obj
+            obj = file; sub(/\.c$/, ".o", obj); obj = dir "/o/" obj
             folder = obj; sub(/\/[^\/]*$/, "", folder)
             print obj ": " file closure(file, "") " " dir "/flags.key"
             print "\t@mkdir -p " folder
