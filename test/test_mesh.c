@@ -426,12 +426,13 @@ static void mtl_values(void)
         "illum 7\nmap_Kd -clamp on -s 1 2 3 -o 0.5 -mm 0 1 some dir/a b.png # c\n"
         "map_d -imfchan l d.png\nbump -bm 0.5 b.png\n"
         "newmtl two words\nTr 0.75\nmap_Bump -t 1 2 -texres 512 -blendu off 7\n"
-        "newmtl bare\nd -halo 0.5\n";
+        "newmtl bare\nd -halo 0.5\n"
+        "newmtl first\nillum 0\nnewmtl last\nillum 10\n";
     MtlFile f;
     const MtlMaterial *m;
 
     REQUIRE(mtl_read(&f, "v.mtl", (const unsigned char *)text, sizeof text - 1), "refused");
-    EXPECT(f.n == 3, "%lu materials", (unsigned long)f.n);
+    EXPECT(f.n == 5, "%lu materials", (unsigned long)f.n);
     m = material(&f, "all");
     EXPECT(rgb_is(m->kd, 0.1f, 0.2f, 0.3f) && rgb_is(m->ks, 0.5f, 0.5f, 0.5f) &&
            rgb_is(m->ke, 4, 5, 6) && rgb_is(m->tf, 1, 0, 1) && m->has_kd && m->has_ks && m->has_ke,
@@ -446,6 +447,7 @@ static void mtl_values(void)
     EXPECT(m->d == 0.5f && rgb_is(m->tf, 1, 1, 1) && rgb_is(m->kd, 0, 0, 0) && !m->has_kd &&
            !m->has_ks && !m->has_ke && m->ni == 1.0f && m->ns == 0.0f && m->illum == -1 &&
            !m->map_kd[0] && !m->map_d[0] && !m->map_bump[0], "defaults");
+    EXPECT(material(&f, "first")->illum == 0 && material(&f, "last")->illum == 10, "illum");
     mtl_clear(&f);
 }
 

@@ -7,6 +7,7 @@
 #include "test/mesh_help.h"
 
 #include "base/random.h"
+#include "geometry/lookup.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -429,9 +430,37 @@ static void greedy_ply(void)
     }
 }
 
-/* Corners that collide in the table of distinct corners are at worst kept twice, after a bounded
- * search. 2^16 corners of which all but their lowest bits hash alike cannot be had here, so this
- * only checks that many distinct corners stay distinct and cheap. */
+/* Ids whose hashes are all one: the search for one ends after LOOKUP_PROBES steps, some are not
+ * entered, and those of other hashes are not in their way. */
+static void colliding_hashes(void)
+{
+    enum { SAME = 100000, OTHERS = 1000 };
+    const uint32_t hash = 0xFFFFFFF0u;                  /* its slots wrap about the end */
+    Lookup l = { NULL, 0, 0 };
+    uint32_t probe = 0, found = 0, id;
+
+    for (uint32_t i = 0; i < OTHERS; i++)
+        REQUIRE(lookup_add(&l, (uint32_t)mix64(i), i), "memory");
+    for (uint32_t i = 0; i < SAME; i++)
+        REQUIRE(lookup_add(&l, hash, OTHERS + i), "memory");
+    while ((id = lookup_next(&l, hash, &probe)) != LOOKUP_NONE) {
+        EXPECT(id >= OTHERS && id < OTHERS + SAME, "id %lu of another hash", (unsigned long)id);
+        found++;
+    }
+    EXPECT(found > 0 && found <= LOOKUP_PROBES, "%lu found", (unsigned long)found);
+    EXPECT(l.size <= 4 * (OTHERS + LOOKUP_PROBES), "%lu slots", (unsigned long)l.size);
+    for (uint32_t i = 0; i < OTHERS; i++) {
+        probe = 0;
+        do
+            id = lookup_next(&l, (uint32_t)mix64(i), &probe);
+        while (id != i && id != LOOKUP_NONE);
+        EXPECT(id == i, "id %lu lost", (unsigned long)i);
+    }
+    lookup_clear(&l);
+    EXPECT(mem_blocks() == 0, "%ld blocks left", mem_blocks());
+}
+
+/* 90,000 distinct corners out of 300 positions stay distinct. */
 static void many_corners(void)
 {
     enum { SIDE = 300 };
@@ -495,6 +524,7 @@ const TestCase test_mesh_hostile[] = {
     { "greedy-obj", greedy_obj, false },
     { "greedy-mtl", greedy_mtl, false },
     { "greedy-ply", greedy_ply, false },
+    { "colliding-hashes", colliding_hashes, false },
     { "many-corners", many_corners, false },
     { "out-of-memory", out_of_memory, false },
     { NULL, NULL, false }

@@ -385,6 +385,30 @@ static void bounded_work(void)
     mesh_clear(&m);
 }
 
+/* Corners that come when the care is over join the fan of those before. */
+static void large_fans(void)
+{
+    for (uint32_t n = POLYGON_CARE - 1; n < POLYGON_CARE + 5; n++) {
+        Mesh m = { 0 };
+        Skipped skipped = { 0 };
+        Polygon g;
+        polygon_init(&g, &m, &skipped, "fan", 0);
+        for (uint32_t i = 0; i < n; i++) {              /* on a parabola, so all convex */
+            float x = (float)i / 8192.0f;
+            REQUIRE(polygon_corner(&g, 7 + 2 * i, v3(x, x * x, 0.0f)), "refused");
+        }
+        REQUIRE(polygon_end(&g, (Place){ "fan", 1, 1 }), "refused");
+        EXPECT(m.ntris == n - 2, "%lu triangles", (unsigned long)m.ntris);
+        for (uint32_t i = 0; i < m.ntris; i++)
+            EXPECT(m.tri[i].v[0] == 7 && m.tri[i].v[1] == 9 + 2 * i && m.tri[i].v[2] == 11 + 2 * i,
+                   "triangle %lu of %lu", (unsigned long)i, (unsigned long)n);
+        EXPECT(skipped.n[SKIPPED_CARE] == (n > POLYGON_CARE), "%lu corners with care",
+               (unsigned long)n);
+        polygon_clear(&g);
+        mesh_clear(&m);
+    }
+}
+
 static void out_of_memory(void)
 {
     Rng rng = rng_seed(5);
@@ -420,6 +444,7 @@ const TestCase test_polygon[] = {
     { "convex-is-fan", convex_is_fan, false },
     { "hopeless-shapes", hopeless_shapes, false },
     { "bounded-work", bounded_work, false },
+    { "large-fans", large_fans, false },
     { "out-of-memory", out_of_memory, false },
     { NULL, NULL, false }
 };

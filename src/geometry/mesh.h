@@ -45,7 +45,8 @@ bool ply_read(Mesh *m, const char *path, const unsigned char *bytes, size_t n);
  * triangles. Groups are not written. False: reported, an older file untouched. */
 bool ply_write(const Mesh *m, const char *path);
 
-/* A material as an MTL file gives it; `at` says where. Colours linear as written. What is not
+/* A material as an MTL file gives it; `at` says where (its file is the path given, borrowed).
+ * Colours linear as written. What is not
  * given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1. Strings belong to the MtlFile and are
  * never NULL; map names are as written, relative to the MTL file. */
 typedef struct {

@@ -70,10 +70,25 @@ static bool finite_number(Mtl *r, const char *what, float *v)
     return is_finite(*v) || err_at(at, "%s is infinite or not a number", what);
 }
 
+/* Sets the field at `offset` of the present material. */
+static void store(Mtl *r, size_t offset, const void *v, size_t size)
+{
+    memcpy((char *)r->m + offset, v, size);
+}
+
+static bool read_number(Mtl *r, const Statement *s)
+{
+    float v;
+    if (!finite_number(r, s->keyword, &v))
+        return false;
+    store(r, s->field, &v, sizeof v);
+    return true;
+}
+
 /* One number is a grey. */
 static bool read_colour(Mtl *r, const Statement *s)
 {
-    char *base = (char *)r->m;
+    const bool given = true;
     Text back = r->t;
     Word w = obj_word(&r->t);
     Rgb c;
@@ -92,9 +107,9 @@ static bool read_colour(Mtl *r, const Statement *s)
         if (!finite_number(r, s->keyword, &c.g) || !finite_number(r, s->keyword, &c.b))
             return false;
     }
-    memcpy(base + s->field, &c, sizeof c);
+    store(r, s->field, &c, sizeof c);
     if (s->has)
-        *(bool *)(base + s->has) = true;
+        store(r, s->has, &given, sizeof given);
     return true;
 }
 
@@ -176,7 +191,7 @@ static bool read_map(Mtl *r, const Statement *s)
                       s->keyword);
     copy = obj_check_name(&r->t, name) ? arena_string(&r->f->strings, name.s, name.n) : NULL;
     if (copy)
-        memcpy((char *)r->m + s->field, &copy, sizeof copy);
+        store(r, s->field, &copy, sizeof copy);
     return copy != NULL;
 }
 
@@ -197,7 +212,7 @@ static bool read_statement(Mtl *r, Word w)
     }
     switch (s->kind) {
     case S_COLOUR:      return read_colour(r, s);
-    case S_NUMBER:      return finite_number(r, s->keyword, (float *)((char *)r->m + s->field));
+    case S_NUMBER:      return read_number(r, s);
     case S_DISSOLVE:
     case S_TRANSPARENT: return read_dissolve(r, s);
     case S_ILLUM:       return read_illum(r);

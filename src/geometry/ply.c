@@ -32,11 +32,8 @@ typedef struct {
     Skipped     skipped;
 } Ply;
 
-/* A double beyond the floats would be undefined as a float; here it is infinite. */
-static float narrow(double v)
-{
-    return fabs(v) <= FLOAT_MAX ? (float)v : v != v ? (float)v : v < 0.0 ? -INFINITY : INFINITY;
-}
+/* What is no finite float (for C, a double beyond them is undefined as one) becomes infinite. */
+static float narrow(double v) { return fabs(v) <= FLOAT_MAX ? (float)v : INFINITY; }
 
 /* ---- faults ---- */
 
