@@ -465,7 +465,7 @@ static void many_corners(void)
 {
     enum { SIDE = 300 };
     Big b = { NULL, 0, 0 };
-    char line[60];
+    char line[100];
     MeshFile f;
 
     messages_nowhere();
