@@ -71,8 +71,9 @@ static bool read_open(int fd, const char *path, uint64_t limit, FileBytes *f)
     struct stat st;
     size_t have = 0;
 
-    if (faulty() || fstat(fd, &st))
-        return err_at(at, "cannot be read: %s", strerror(errno));
+    while (faulty() || fstat(fd, &st))
+        if (errno != EINTR)
+            return err_at(at, "cannot be read: %s", strerror(errno));
     if (S_ISDIR(st.st_mode))
         return err_at(at, "is a folder, a file was expected");
     if (!S_ISREG(st.st_mode))
@@ -194,7 +195,9 @@ Out *out_open(const char *path)
     }
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
         o->direct = true;
-        o->fd = faulty() ? -1 : open(path, O_WRONLY);
+        do                              /* a pipe: waits for its reader */
+            o->fd = faulty() ? -1 : open(path, O_WRONLY);
+        while (o->fd < 0 && errno == EINTR);
         if (o->fd < 0) {
             err_output(path, "cannot be written: %s", strerror(errno));
             goto failed;
@@ -230,17 +233,21 @@ void out_u32be(Out *o, uint32_t v)
     out_write(o, b, 4);
 }
 
+/* A call that a signal interrupted begins again, but close: its descriptor is gone, and after
+ * fsync there was nothing left to lose. EINVAL of fsync: not a file that can be synchronised. */
 bool out_close(Out *o)
 {
     out_flush(o);
-    if (!o->error && !o->direct && (faulty() || fsync(o->fd)) && errno != EINVAL)
+    while (!o->error && !o->direct && (faulty() || fsync(o->fd)) && errno != EINVAL)
+        if (errno != EINTR)
+            o->error = errno;
+    if (close(o->fd) && errno != EINTR && !o->error)    /* close in any case, then pretend */
         o->error = errno;
-    if (close(o->fd) && !o->error)              /* close in any case, then pretend */
+    if (faulty() && errno != EINTR && !o->error)
         o->error = errno;
-    if (faulty() && !o->error)
-        o->error = errno;
-    if (!o->error && !o->direct && (faulty() || rename(o->temporary, o->path)))
-        o->error = errno;
+    while (!o->error && !o->direct && (faulty() || rename(o->temporary, o->path)))
+        if (errno != EINTR)
+            o->error = errno;
     if (o->error) {
         if (!o->direct)
             unlink(o->temporary);
@@ -260,6 +267,18 @@ void out_abort(Out *o)
     if (!o->direct)
         unlink(o->temporary);
     out_free(o);
+}
+
+bool out_possible(const char *path)
+{
+    struct stat st;
+    Out *o;
+
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
+        return true;
+    o = out_open(path);
+    out_abort(o);
+    return o != NULL;
 }
 
 bool file_write(const char *path, const void *bytes, size_t n)

@@ -29,6 +29,9 @@ void out_u32be(Out *o, uint32_t v);
  * untouched. Frees o in any case. */
 bool out_close(Out *o);
 void out_abort(Out *o);                                 /* gives up and leaves nothing behind */
+/* Whether out_open(path) would work, to be asked before the work that makes the contents. False:
+ * reported. Devices and pipes are not opened for the question. */
+bool out_possible(const char *path);
 
 /* Whole-file convenience with the same promise. */
 bool file_write(const char *path, const void *bytes, size_t n);

@@ -66,8 +66,8 @@ bool arg_int(const char *name, const char *value, int64_t lo, int64_t hi, int64_
     if (number_int(value, end, v, NULL) == (size_t)(end - value) && end > value && *v >= lo &&
         *v <= hi)
         return true;
-    return err_usage("%s '%s' is not right, expected a whole number from %.0f to %.0f", name, value,
-                     (double)lo, (double)hi);
+    return err_usage("%s '%s' is not right, expected a whole number from %lld to %lld", name, value,
+                     (long long)lo, (long long)hi);
 }
 
 bool arg_number(const char *name, const char *value, double lo, double hi, double *v)

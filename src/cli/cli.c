@@ -1,5 +1,6 @@
 /* cli.c -- the list of commands and how a command line is told to be one of them. */
 #include "base/file.h"
+#include "base/mem.h"
 #include "cli/args.h"
 
 #include <float.h>
@@ -66,6 +67,7 @@ int cli_run(int argc, char **argv)
     bool is_file;
 
     err_reset();
+    mem_limit(0);
     arithmetic_is_right();
     if (argc < 2)
         return finish_output(find("help")->run(0, argv));

@@ -34,6 +34,8 @@ static bool set(void *ctx, int k, const char *value)
     size_t n = 0;
 
     (void)k;
+    if (*(const Command **)ctx)
+        return err_usage("help takes one command");
     for (; commands[n] && n < 16; n++) {
         names[n] = commands[n]->name;
         if (!strcmp(names[n], value)) {

@@ -1,5 +1,6 @@
 /* cmd_info.c -- the command `info`: what a scene, a mesh or an image holds. */
 #include "base/number.h"
+#include "base/text.h"
 #include "cli/args.h"
 #include "render/render.h"
 
@@ -146,9 +147,17 @@ static int info_scene(const char *path)
     return ok ? STATUS_OK : failed_status();
 }
 
+/* As scenefile_read picks its readers. */
+static bool is_scene(const char *path)
+{
+    const char *ext = path_extension(path);
+    Word w = { ext, strlen(ext) };
+    return word_is_nocase(w, "pbrt") || word_is_nocase(w, "obj") || word_is_nocase(w, "ply");
+}
+
 static int run(int argc, char **argv)
 {
-    const char *path = NULL, *ext;
+    const char *path = NULL;
 
     if (!args_parse(&command_info, argc, argv, set, &path))
         return failed_status();
@@ -156,7 +165,5 @@ static int run(int argc, char **argv)
         err_usage("info takes a file");
         return STATUS_USAGE;
     }
-    ext = path_extension(path);
-    return !strcmp(ext, "pbrt") || !strcmp(ext, "obj") || !strcmp(ext, "ply") ? info_scene(path)
-                                                                              : info_image(path);
+    return is_scene(path) ? info_scene(path) : info_image(path);
 }

@@ -4,6 +4,7 @@
 #include "cli/args.h"
 #include "lightsampling/lightsampler.h"
 #include "render/render.h"
+#include "scenefile/scenefile.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -11,8 +12,8 @@
 static const struct { const char *name; const void *list; } sets[] = {
     { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
-    { "cameras", cameras },         { "filters", filters },     { "formats", image_formats },
-    { "tonemaps", tonemaps },
+    { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
+    { "formats", image_formats },   { "tonemaps", tonemaps },
 };
 enum { SETS = sizeof sets / sizeof sets[0] };
 
@@ -89,10 +90,14 @@ static void print_set(int s)
 static bool set(void *ctx, int k, const char *value)
 {
     const char *names[SETS], *near;
+    char have[200] = "";
     (void)k;
+    if (*(int *)ctx >= 0)
+        return err_usage("list takes one kind");
     for (int s = 0; s < SETS; s++) {
         size_t n = strlen(value);
         names[s] = sets[s].name;
+        strcat(strcat(have, s ? " " : ""), names[s]);
         /* the singular does as well: "list light" */
         if (!strcmp(value, sets[s].name) ||
             (n + 1 == strlen(sets[s].name) && !strncmp(value, sets[s].name, n))) {
@@ -101,9 +106,8 @@ static bool set(void *ctx, int k, const char *value)
         }
     }
     near = nearest_name(value, names, SETS);
-    return err_usage("unknown kind '%s'%s%s%s (have: integrators accelerators samplers materials "
-                     "lights lightsamplers cameras filters formats tonemaps)", value,
-                     near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return err_usage("unknown kind '%s'%s%s%s (have: %s)", value, near ? ", did you mean '" : "",
+                     near ? near : "", near ? "'?" : "", have);
 }
 
 static const ArgDef args[] = { { NULL, NULL, NULL } };

@@ -85,7 +85,8 @@ static bool set_number(Line *l, int k, const char *value)
     case ARG_MAX_PIXELS:  ok = arg_int(name, value, 1, (int64_t)1 << 40, &n);
                           l->limits.max_pixels = (uint64_t)n; break;
     case ARG_MAX_MEMORY:  ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
-                          mem_limit((size_t)n << 20); break;
+                          mem_limit((uint64_t)n > SIZE_MAX >> 20 ? SIZE_MAX : (size_t)n << 20);
+                          break;
     case ARG_MAX_INCLUDE: ok = arg_int(name, value, 1, 10000, &n);
                           l->limits.max_include = (int)n; break;
     case ARG_MAX_FILE:    ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
@@ -163,6 +164,18 @@ static bool write_layer(const Film *f, int layer, const Aov *aov, const char *pa
     ok = format->write(&im, path, display);
     image_clear(&im);
     return ok;
+}
+
+/* Before the hours of rendering, not after them. */
+static bool outputs_possible(const Line *l, const RenderSettings *s)
+{
+    for (int i = 0; i < l->noutputs; i++)
+        if (!out_possible(l->outputs[i]))
+            return false;
+    for (int i = 0; i < s->naovs; i++)
+        if (!out_possible(s->aovs[i].file))
+            return false;
+    return true;
 }
 
 static bool write_all(const Film *f, const Line *l, const RenderSettings *s)
@@ -244,7 +257,8 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
     char t[32];
     bool ok;
 
-    if (!settings_resolve(&s, &l->request, f) || !ensure_camera(f) || !choose_output(l, f))
+    if (!settings_resolve(&s, &l->request, f) || !ensure_camera(f) || !choose_output(l, f) ||
+        !outputs_possible(l, &s))
         return false;
     s.stop = &interrupted;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))

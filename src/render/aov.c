@@ -35,6 +35,8 @@ bool aov_parse(Aov *a, const char *text)
         return err_usage("--aov takes NAME=FILE, with NAME one of normal depth albedo length:N "
                          "strategy:NAME");
     a->file = text + all + 1;
+    if (!image_format_for_writing(a->file))
+        return false;
     for (int k = 0; k < NAMES; k++)
         if (strlen(names[k]) == name && !memcmp(names[k], text, name)) {
             bool takes = k == AOV_LENGTH || k == AOV_STRATEGY;

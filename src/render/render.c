@@ -196,17 +196,18 @@ static void job_clear(Job *j)
 }
 
 /* A light that gives nothing, or none at all, is no error, but worth a word. */
-static void warn_if_dark(const Scene *s, const RenderSettings *settings)
+static bool warn_if_dark(const Scene *s, const RenderSettings *settings)
 {
     float sum = 0.0f;
 
     if (!strcmp(settings->integrator->info.name, "ao"))
-        return;
+        return true;
     for (size_t i = 0; i < s->nlights; i++)
         sum += rgb_lum(s->lights[i]->kind->power(s->lights[i]));
-    if (!(sum > 0.0f))
-        warn_at((Place){ NULL, 0, 0 }, s->nlights ? "the lights have no power: the picture is black"
-                                                  : "there is no light: the picture is black");
+    if (sum > 0.0f)
+        return true;
+    return warn_at((Place){ NULL, 0, 0 }, s->nlights ? "the lights have no power: the picture is black"
+                                                     : "there is no light: the picture is black");
 }
 
 static bool report_refused(const Film *f)
@@ -234,9 +235,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     j.scene = scene;
     j.film = film;
     scene->camera->kind->film(scene->camera, s.w, s.h);
-    ok = job_init(&j, &s.spp);
+    ok = job_init(&j, &s.spp) && warn_if_dark(scene, &s);
     if (ok) {
-        warn_if_dark(scene, &s);
         progress_start(&j.progress);
         cpu = clock_cpu();
         j.start = clock_wall();
