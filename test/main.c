@@ -15,7 +15,8 @@
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(scenefile) X(scenefile_errors) X(scenefile_things) X(scenefile_hostile) \
     X(cli) X(cli_images) X(cli_render) X(cli_output) \
-    X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree)
+    X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
+    X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

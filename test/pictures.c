@@ -105,7 +105,7 @@ void series_clear(Series *s)
 static Stat tile_stat(const Series *s, uint32_t tile)
 {
     Stat st = { 0, 0, 0, 0, 0 };
-    for (int i = 0; i < RUNS; i++)          /* one is a sixteenth of the sum: no question of tails */
+    for (int i = 0; i < RUNS; i++) /* one is a sixteenth of the sum: no question of tails */
         stat_add_block(&st, s->tile[(size_t)tile * RUNS + (size_t)i], 1, 0);
     return st;
 }

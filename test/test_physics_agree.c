@@ -1,9 +1,9 @@
 /* test_physics_agree.c -- pictures by different strategies are the same but for noise.
  *
  * What no closed form covers: rooms with boxes and mirrors, glossy floors under lights of different
- * size, a picture of the sky with a lamp. Means of tiles of 8 x 8 pixels over 16 runs are compared by
- * Welch's test (Jung, Hanika, Dachsbacher 2020): a bias of a few percent in one corner shows in the
- * distribution of p long before it shows in any one pixel. */
+ * size, a picture of the sky with a lamp. Means of tiles of 8 x 8 pixels over 16 runs are
+ * compared by Welch's test (Jung, Hanika, Dachsbacher 2020): a bias of a few percent in one
+ * corner shows in the distribution of p long before it shows in any one pixel. */
 #include "geometry/generate.h"
 #include "test/pictures.h"
 
@@ -59,7 +59,8 @@ static void room(void)
     lab_quad(&l, v3(-1, -1, 0), v3(0, 2, 0), v3(0, 0, 2), red);
     lab_quad(&l, v3(1, -1, 0), v3(0, 0, 2), v3(0, 2, 0), green);
     add_box(&l, v3(-0.4f, 0.3f, 0.3f), 0.6f, white);
-    lab_sphere(&l, v3(0.45f, -0.1f, 0.35f), 0.35f, lab_material(&l, "mirror", "reflectance=0.8"), false);
+    lab_sphere(&l, v3(0.45f, -0.1f, 0.35f), 0.35f, lab_material(&l, "mirror", "reflectance=0.8"),
+               false);
     lab_shine(&l, lab_quad(&l, v3(-0.7f, -0.7f, 1.9f), v3(0, 1.4f, 0), v3(1.4f, 0, 0), white),
               "L=5/4/3");
     lab_camera(&l, v3(0, -3.5f, 1), v3(0, 0, 1), 42, "");
@@ -118,7 +119,8 @@ static void sky(void)
     REQUIRE(mesh_blob(&m, 3), "blob");
     mesh_move(&m, 0.6f, v3(-0.6f, 0.2f, 0.7f));
     lab_mesh(&l, &m, coated, false);
-    lab_shine(&l, lab_disk(&l, v3(0.9f, 0, 1.2f), v3(-0.3f, -0.2f, -1), 0.5f, 0.2f, black), "L=3/2/1");
+    lab_shine(&l, lab_disk(&l, v3(0.9f, 0, 1.2f), v3(-0.3f, -0.2f, -1), 0.5f, 0.2f, black),
+              "L=3/2/1");
     lab_sky(&l, 32, 16, cloudy, &turn);
     lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
     expect_agreement(&l, ways, 4);

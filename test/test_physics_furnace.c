@@ -138,7 +138,8 @@ static void sphere(void)
         { "strategy=implicit,roulette=100", 8, 1 << 14, 1e-5, 1e-5 },
         { "strategy=explicit,roulette=100", 8, 1 << 14, 5e-4, 5e-4 },
         { "strategy=mis,roulette=100", 8, 1 << 14, 5e-4, 5e-4 },
-        { "strategy=mis,heuristic=balance,lightsampler=uniform,roulette=100", 8, 1 << 14, 5e-4, 5e-4 },
+        { "strategy=mis,heuristic=balance,lightsampler=uniform,roulette=100", 8, 1 << 14, 5e-4,
+          5e-4 },
     };
     Lab l;
 
@@ -176,7 +177,8 @@ static void cube_power(void)
 static void cube_balance(void)
 {
     static const double delta[3] = { 0.0002, 0.0005, 0.0008 };
-    one_bounce("strategy=mis,heuristic=balance,lightsampler=uniform,maxdepth=1,roulette=100", delta);
+    one_bounce("strategy=mis,heuristic=balance,lightsampler=uniform,maxdepth=1,roulette=100",
+               delta);
 }
 
 static void cube_explicit(void)
@@ -189,8 +191,8 @@ static void cube_explicit(void)
 static void roulette(void)
 {
     static const struct { const char *options; uint64_t n; double delta[3]; } runs[] = {
-        { "strategy=implicit,maxdepth=10000", 600000, { 0.0005, 0.005, 0.012 } },
-        { "strategy=mis,maxdepth=10000", 250000, { 0.001, 0.008, 0.018 } },
+        { "strategy=implicit,maxdepth=10000,roulette=1", 600000, { 0.0005, 0.005, 0.012 } },
+        { "strategy=mis,maxdepth=10000,roulette=1", 250000, { 0.001, 0.008, 0.018 } },
         { "strategy=mis,maxdepth=10000,roulette=4", 250000, { 0.001, 0.005, 0.018 } },
     };
     V3 eye = { 0.1f, 0.05f, 0.2f };

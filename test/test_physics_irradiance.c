@@ -1,11 +1,11 @@
 /* test_physics_irradiance.c -- light that arrives without a bounce, against closed forms.
  *
  * A white receiver in the plane z = 0 is looked at in one point: its radiance is E / pi.
- *   polygon   E = L/2 |sum beta_i n.gamma_i|, beta_i the angle between successive corners, gamma_i the
- *             unit normal of their plane, clipped at the horizon [Lambert1760]
+ *   polygon   E = L/2 |sum beta_i n.gamma_i|, beta_i the angle between successive corners,
+ *             gamma_i the unit normal of their plane, clipped at the horizon [Lambert1760]
  *   sphere    E = pi L (R/d)^2 cos, above the horizon
- *   disc      E = pi L / 2 (1 - (h^2 + a^2 - R^2) / sqrt((h^2 + a^2 + R^2)^2 - 4 R^2 a^2)), parallel, at
- *             height h and a off its axis
+ *   disc      E = pi L / 2 (1 - (h^2 + a^2 - R^2) / sqrt((h^2 + a^2 + R^2)^2 - 4 R^2 a^2)),
+ *             parallel, at height h and a off its axis
  *   sky       L = cos^k: E = 2 pi / (k + 2); of cells, the sum of L dphi (sin^2 b - sin^2 a) / 2
  * Each strategy that can find the light must agree: asking for it, meeting it, both. */
 #include "base/random.h"
@@ -79,7 +79,10 @@ static void grey(double E, double rgb[3])
 
 typedef struct { double x, y, z; } D3;
 
-static D3 d3_sub(V3 a, V3 b) { return (D3){ (double)a.x - b.x, (double)a.y - b.y, (double)a.z - b.z }; }
+static D3 d3_sub(V3 a, V3 b)
+{
+    return (D3){ (double)a.x - b.x, (double)a.y - b.y, (double)a.z - b.z };
+}
 static double d3_dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static D3 d3_cross(D3 a, D3 b)
 {
@@ -124,7 +127,8 @@ typedef struct { const char *name; V3 corner, a, b; Power power; } Quad;        
 
 static const Quad quads[] = {
     { "overhead", { -0.5f, -0.4f, 1 }, { 0, 1, 0 }, { 1, 0, 0 }, { 0.04, 0.01, 0.02, 200000 } },
-    { "wall that touches", { 0.5f, -0.6f, 0 }, { 0, 0, 1 }, { 0, 1.2f, 0 }, { 0.04, 0.03, 0.02, 200000 } },
+    { "wall that touches", { 0.5f, -0.6f, 0 }, { 0, 0, 1 }, { 0, 1.2f, 0 },
+      { 0.04, 0.03, 0.02, 200000 } },
     { "tilted", { 0.3f, -0.5f, 0.4f }, { -0.2f, 0.3f, 0.5f }, { 0.5f, 0.9f, 0.2f },
       { 0.06, 0.02, 0.03, 200000 } },
     { "through the horizon", { 0.7f, -0.5f, -0.5f }, { 0, 0, 1 }, { 0, 1, 0.3f },
@@ -196,7 +200,8 @@ static void shadow(void)
         black = begin(&l);
         lab_quad(&l, v3(-3, -3, 0.5f), v3(3.15f, 0, 0), v3(0, 6, 0), black);
         if (i == 0) {                           /* the edge at x = 0.15 hides x < 0.25 at z = 1 */
-            lab_shine(&l, lab_quad(&l, v3(-0.5f, -0.4f, 1), v3(0, 1, 0), v3(1, 0, 0), black), LE_TEXT);
+            lab_shine(&l, lab_quad(&l, v3(-0.5f, -0.4f, 1), v3(0, 1, 0), v3(1, 0, 0), black),
+                      LE_TEXT);
             grey(polygon_irradiance(AT, seen, 4), E);
             expect_irradiance(&l, AT, E, power, "light half hidden");
         } else {
@@ -221,7 +226,8 @@ static void many(void)
     black = begin(&l);
     for (int i = 0; i < MANY; i++) {
         Mesh m = { 0 };
-        float z = 0.05f + 0.9f * (float)(i / COLUMNS) / ROWS, phi = 2 * PI_F * (float)(i % COLUMNS) / COLUMNS;
+        float z = 0.05f + 0.9f * (float)(i / COLUMNS) / ROWS;
+        float phi = 2 * PI_F * (float)(i % COLUMNS) / COLUMNS;
         float r = sqrtf(1 - z * z), L = 1 + rng_unit(&rng);
         V3 d = v3(r * m_cos(phi), r * m_sin(phi), z), v[3];
         Frame f = frame_about(v_neg(d));
@@ -377,7 +383,8 @@ static void spot(void)
         Lab l;
 
         begin(&l);
-        lab_light(&l, "spot", "I=1/2/4,from=0/0/1.5,to=0/0/0.5,coneangle=60,conedeltaangle=40", NULL);
+        lab_light(&l, "spot", "I=1/2/4,from=0/0/1.5,to=0/0/0.5,coneangle=60,conedeltaangle=40",
+                  NULL);
         x = x < 0 ? 0 : x > 1 ? 1 : x;
         c = md_cos(md_atan2(at.x, 1.5));        /* of the point as a float */
         grey(x * x * (3 - 2 * x) * c * c * c / (1.5 * 1.5), E);
@@ -395,7 +402,8 @@ static Rgb sky_cos9(V3 w)
     float c = f_max(0, w.z), c3 = c * c * c;
     return rgb_scale(rgb(1, 2, 4), c3 * c3 * c3);
 }
-static Rgb sky_sun(V3 w)                /* one bright cell of 64 x 32, at 45 degrees, on a dim sky */
+/* One bright cell of 64 x 32, at 45 degrees, on a dim sky. */
+static Rgb sky_sun(V3 w)
 {
     bool sun = w.x > 0.6f && w.y > 0 && w.y < 0.08f && w.z > 0.64f && w.z < 0.72f;
     return rgb_scale(rgb(1, 2, 4), sun ? 1e4f : 0.1f);
@@ -444,7 +452,7 @@ static void skies(void)
     }
 }
 
-/* A sky of cells that is turned so that its pole points along x: half of it is below the horizon. */
+/* A sky of cells whose pole is turned to x: half of it is below the horizon. */
 static void turned_sky(void)
 {
     Transform t = xf_rotate(90, 0, 1, 0);       /* z to x */

@@ -1,14 +1,14 @@
 /* test_physics_specular.c -- mirrors and glass.
  *
- * Mirror image: a perfect mirror of reflectance r shows the light once more, behind it; a floor gets
- * E of the light plus r times E of its image, where the mirror is large enough to hold that.
+ * Mirror image: a perfect mirror of reflectance r shows the light once more, behind it; a floor
+ * gets E of the light plus r times E of its image, where the mirror is large enough to hold that.
  *
  * Invisible glass: a body that absorbs nothing, in a sky of the same radiance L from everywhere,
  * cannot be seen: what refraction concentrates on entering, (n2/n1)^2, it spreads on leaving, and
  * Fresnel's reflectance and transmittance add up to 1. Reflection and transmission are chosen by
  * their shares, so not only the mean but every single sample is L, however often light is reflected
- * within. Excepted are rays that leave a face next to an edge: a hit of the other face there that is
- * nearer than the bound of its error, some 4e-6 of the size, is not taken, and they slip out. */
+ * within. Excepted are rays that leave a face next to an edge: a hit of the other face there that
+ * is nearer than the bound of its error, some 4e-6 of the size, is not taken, and they slip out. */
 #include "geometry/generate.h"
 #include "sampling/warp.h"
 #include "test/physics.h"
@@ -51,7 +51,8 @@ static void mirror_image(void)
 
     lab_init(&l);
     black = lab_material(&l, "diffuse", "reflectance=0");
-    lab_quad(&l, v3(-4, -5, 0), v3(5, 0, 0), v3(0, 10, 0), lab_material(&l, "diffuse", "reflectance=1"));
+    lab_quad(&l, v3(-4, -5, 0), v3(5, 0, 0), v3(0, 10, 0),
+             lab_material(&l, "diffuse", "reflectance=1"));
     lab_quad(&l, v3(1, -40, -1), v3(0, 0, 40), v3(0, 80, 0),
              lab_material(&l, "mirror", "reflectance=0.9/0.5/0.25"));
     lab_shine(&l, lab_quad(&l, v3(-2, -2, 0.8f), v3(0, 5, 0), v3(2.9f, 0, 0), black), "L=1/2/4");
@@ -112,7 +113,8 @@ static void add_body(Lab *l, Body body)
     case NESTED:                                /* glass around water around a bubble of air */
         lab_sphere(l, v3(0, 0, 0), 1, glass, false);
         lab_sphere(l, v3(0.2f, 0, 0), 0.7f, lab_material(l, "dielectric", "eta=0.8866667"), false);
-        lab_sphere(l, v3(0.2f, 0.3f, 0), 0.3f, lab_material(l, "dielectric", "eta=0.7518797"), false);
+        lab_sphere(l, v3(0.2f, 0.3f, 0), 0.3f, lab_material(l, "dielectric", "eta=0.7518797"),
+                   false);
         return;
     case CUBE:   ok = mesh_cube(&m); break;
     case TORUS:  ok = mesh_torus(&m, 24, 12, 1, 0.4f); break;
@@ -165,10 +167,12 @@ static void expect_unseen(Lab *l, const char *name)
             is = L;
         }
     }
-    EXPECT(seen <= 1 + 2e-5 * n, "%s: %lu of %lu rays see it, the first from %.9g %.9g %.9g along %.9g %.9g %.9g: "
-           "%.9g %.9g %.9g", name, (unsigned long)seen, (unsigned long)n, (double)first.o.x,
-           (double)first.o.y, (double)first.o.z, (double)first.d.x, (double)first.d.y,
-           (double)first.d.z, (double)is.r, (double)is.g, (double)is.b);
+    EXPECT(seen <= 1 + 2e-5 * n,
+           "%s: %lu of %lu rays see it, the first from %.9g %.9g %.9g along %.9g %.9g %.9g: "
+           "%.9g %.9g %.9g",
+           name, (unsigned long)seen, (unsigned long)n, (double)first.o.x, (double)first.o.y,
+           (double)first.o.z, (double)first.d.x, (double)first.d.y, (double)first.d.z, (double)is.r,
+           (double)is.g, (double)is.b);
     EXPECT(t.rays > n + n / 2, "%s: only %.0f rays", name, (double)t.rays);
 }
 
@@ -190,11 +194,43 @@ static void invisible(const char *options, bool cells)
 }
 
 static void glass(void) { invisible("maxdepth=100000", false); }
-static void glass_implicit(void) { invisible("maxdepth=100000,strategy=implicit,roulette=50", true); }
+static void glass_implicit(void)
+{
+    invisible("maxdepth=100000,strategy=implicit,roulette=50", true);
+}
+
+/* ---- a glossy lobe ---- */
+
+/* Seen from straight above, a lobe of Phong's reflects ks of an even sky, and matt adds kd. */
+static void phong_from_above(void)
+{
+    static const double truth[3] = { 0.3 + 0.5, 2 * (0.2 + 0.7), 4 * (0.1 + 0.25) };
+    static const char *const ways[] = { "strategy=implicit,maxdepth=1",
+                                        "strategy=explicit,maxdepth=1", "strategy=mis,maxdepth=1" };
+    static const double delta[3] = { 0.003, 0.055, 0.01 };
+    Ray r = { { 0.1f, 0.2f, 1 }, { 0, 0, -1 }, INFINITY };
+    Gauge g = { ray_fixed, NULL, 200000, 45, 0 };
+    Lab l;
+
+    lab_init(&l);
+    lab_quad(&l, v3(-1, -1, 0), v3(2, 0, 0), v3(0, 2, 0),
+             lab_material(&l, "phong", "reflectance=0.3/0.2/0.1,specular=0.5/0.7/0.25,exponent=8"));
+    lab_light(&l, "infinite", "L=1/2/4", NULL);
+    lab_build(&l);
+    g.of = &r;
+    for (int i = 0; i < 3; i++) {
+        Meter m;
+        lab_open(&l, ways[i]);
+        lab_measure(&l, &g, &m);
+        stat_expect_rgb(meter_radiance(&m), truth, delta[i], ways[i]);
+    }
+    lab_clear(&l);
+}
 
 const TestCase test_physics_specular[] = {
     { "mirror_image", mirror_image, false },
     { "mirror_seen", mirror_seen, false },
+    { "phong_from_above", phong_from_above, false },
     { "glass", glass, false },
     { "glass_implicit", glass_implicit, false },
     { NULL, NULL, false }
