@@ -282,13 +282,13 @@ static void test_alias_is_exact(void)
 {
     enum { N = 5000 };
     static float w[N];
-    for (int shape = 0; shape < 4; shape++) {
+    for (int shape = 0; shape < 20; shape++) {
         static double really[N];
         AliasTable a;
-        weights_make(w, N, 77);
+        weights_make(w, N, 77 + (uint64_t)shape);
         for (int i = 0; i < N; i++)
-            w[i] = shape == 0 ? w[i] : shape == 1 ? 1.0f : shape == 2 ? (i ? 1e-7f : 1.0f)
-                                                                      : 1.0f + (float)i * 0x1p-23f;
+            w[i] = shape == 1 ? 1.0f : shape == 2 ? (i ? 1e-7f : 1.0f)
+                 : shape == 3 ? 1.0f + (float)i * 0x1p-23f : w[i];
         REQUIRE(alias_init(&a, w, N), "memory");
         memset(really, 0, sizeof really);
         for (int i = 0; i < N; i++) {
@@ -296,6 +296,8 @@ static void test_alias_is_exact(void)
             really[a.bin[i].other] += (1.0 - a.bin[i].keep) / N;
             EXPECT(a.bin[i].keep >= 0.0 && a.bin[i].keep <= 1.0, "keep %g", a.bin[i].keep);
         }
+        for (int i = 0; i < N; i++)
+            EXPECT(w[i] > 0.0f || really[i] == 0.0, "shape %d: weight 0 is drawn", shape);
         for (int i = 0; i < N; i++)
             EXPECT(fabs(really[i] - a.bin[i].pmf) <= 1e-6 * a.bin[i].pmf, "shape %d: %d is drawn "
                    "%g, pmf %g", shape, i, really[i], a.bin[i].pmf);
