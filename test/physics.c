@@ -394,4 +394,4 @@ Ray ray_anywhere(const void *of, Sampler *s)
     return (Ray){ *(const V3 *)of, warp_sphere(sample_2d(s, DECISION(DECIDE_PIXEL, 0))), INFINITY };
 }
 
-Ray ray_between(V3 eye, V3 at) { return (Ray){ eye, v_unit(v_sub(at, eye)), INFINITY }; }
+Ray ray_towards(V3 eye, V3 at) { return (Ray){ eye, v_unit(v_sub(at, eye)), INFINITY }; }

@@ -97,6 +97,6 @@ void lab_measure(Lab *l, const Gauge *g, Meter *m);
 Ray ray_fixed(const void *of, Sampler *s);
 Ray ray_anywhere(const void *of, Sampler *s);
 /* The ray that looks at `at` from `eye`. */
-Ray ray_between(V3 eye, V3 at);
+Ray ray_towards(V3 eye, V3 at);
 
 #endif

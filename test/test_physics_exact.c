@@ -101,7 +101,7 @@ static void roulette_furnace(void)
         Lab l;
         furnace(&l, f[i].reflectance);
         lab_open(&l, f[i].options);
-        radiance_mean(&l, ray_between(v_all(0), v3(1, 2, 3)), 0, &e, mean);
+        radiance_mean(&l, ray_towards(v_all(0), v3(1, 2, 3)), 0, &e, mean);
         for (int n = f[i].depth; n >= 0; n--)
             for (int c = 0; c < 3; c++)
                 truth[c] = (1 << c) + f[i].rho[c] * truth[c];
@@ -169,7 +169,7 @@ static void begin_floor(Lab *l)
              lab_material(l, "diffuse", "reflectance=1"));
 }
 
-static Ray floor_ray(void) { return ray_between(v3(-1, -1, 1), v3(0.1f, 0.2f, 0)); }
+static Ray floor_ray(void) { return ray_towards(v3(-1, -1, 1), v3(0.1f, 0.2f, 0)); }
 
 static void light_choice(void)
 {
@@ -290,7 +290,7 @@ static void glass_split(void)
             double c = md_cos(angle[i] * PI / 180), s = md_sin(angle[i] * PI / 180);
             double eta = below ? 1 / 1.5 : 1.5, F, truth[3], mean[ENUMERATE_VALUES];
             V3 eye = v3((float)(2 * s), 0.1f, (float)(below ? -2 * c : 2 * c));
-            Ray r = ray_between(eye, v3(0, 0.1f, 0));
+            Ray r = ray_towards(eye, v3(0, 0.1f, 0));
             const double up[3] = { 1, 2, 4 }, down[3] = { 8, 3, 1 };
             const double R[3] = { 1, 0.5, 0.25 }, T[3] = { 0.5, 1, 0.75 };
             char text[60];

@@ -154,7 +154,7 @@ static void sphere(void)
 /* One bounce from the middle of a wall, with power to find a bias of 0.05 %. */
 static void one_bounce(const char *options, const double delta[3])
 {
-    Ray r = ray_between(v3(0.1f, 0.05f, 0), v3(0.5f, 0.1f, 0.2f));
+    Ray r = ray_towards(v3(0.1f, 0.05f, 0), v3(0.5f, 0.1f, 0.2f));
     Gauge g = { ray_fixed, NULL, 3000000, 12, 0 };
     Meter m;
     Lab l;
@@ -281,7 +281,7 @@ static void zones(void)
         for (int z = 0; z < ZONES; z++) {
             float middle = 0.5f * (ZONE_Z[z] + ZONE_Z[z + 1]), r = sqrtf(4 - middle * middle);
             V3 at = v_add(centre, v3(0.6f * r, -0.8f * r, middle));
-            Ray ray = ray_between(eye, at);
+            Ray ray = ray_towards(eye, at);
             Gauge g = { ray_fixed, NULL, 100000, 21, 0 };
             double truth[3];
             Meter m;
@@ -300,7 +300,7 @@ static void zones(void)
 static void lamp_in_sphere(void)
 {
     static const double rho[3] = { 0.1, 0.5, 0.8 };
-    Ray r = ray_between(v3(0.2f, 0.1f, -0.3f), v3(0.6f, -0.8f, 0));
+    Ray r = ray_towards(v3(0.2f, 0.1f, -0.3f), v3(0.6f, -0.8f, 0));
     Gauge g = { ray_fixed, NULL, 300000, 22, 0 };
     double truth[3];
     Stat indirect[3];

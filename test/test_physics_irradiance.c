@@ -50,7 +50,7 @@ static void expect_way(Lab *l, const char *options, const Gauge *g, const double
 /* Builds the scene and asks all ways for the irradiance E at the point `at`. */
 static void expect_irradiance(Lab *l, V3 at, const double E[3], Power p, const char *what)
 {
-    Ray r = ray_between(v3(-0.9f, -0.7f, 0.11f), at);
+    Ray r = ray_towards(v3(-0.9f, -0.7f, 0.11f), at);
     Gauge g = { ray_fixed, NULL, 0, 31, 0 };
 
     g.of = &r;

@@ -40,7 +40,7 @@ static void mirror_image(void)
         { "strategy=mis,heuristic=balance,maxdepth=2,roulette=9", 0.015, 0.05 },
     };
     V3 at = { 0.1f, 0.2f, 0 };
-    Ray r = ray_between(v3(-0.9f, -0.7f, 0.3f), at);
+    Ray r = ray_towards(v3(-0.9f, -0.7f, 0.3f), at);
     Gauge g = { ray_fixed, NULL, 400000, 41, 0 };
     /* the light spans x -2 .. 0.9, y -2 .. 3 at z = 0.8; the mirror at x = 1 turns x to 2 - x */
     double direct = rectangle_irradiance(-2.1, 0.8, -2.2, 2.8, 0.8) / PI;
@@ -75,7 +75,7 @@ static void mirror_image(void)
 /* Looking into mirrors: each multiplies by its reflectance. Two of them at right angles. */
 static void mirror_seen(void)
 {
-    Ray r = ray_between(v3(0.5f, 0.2f, 0.6f), v3(1, 0.25f, 0.3f));
+    Ray r = ray_towards(v3(0.5f, 0.2f, 0.6f), v3(1, 0.25f, 0.3f));
     Gauge g = { ray_fixed, NULL, 256, 42, 0 };
     double truth[3] = { 0.5 * 0.4, 2 * 0.25 * 0.6, 4 * 0.125 * 0.8 };
     Meter m;
@@ -129,7 +129,7 @@ static void add_body(Lab *l, Body body)
 static Ray ray_at_body(Rng *rng)
 {
     V2 u = { rng_unit(rng), rng_unit(rng) }, v = { rng_unit(rng), rng_unit(rng) };
-    return ray_between(v_scale(warp_sphere(u), 3), v_scale(warp_sphere(v), rng_unit(rng)));
+    return ray_towards(v_scale(warp_sphere(u), 3), v_scale(warp_sphere(v), rng_unit(rng)));
 }
 
 static Rgb even_sky(V3 w)

@@ -192,7 +192,7 @@ static bool floor_direction(const Lab *l, const Fixed *f, V3 eye, V3 *wi)
 static void one_seed(Lab *l, Setup *s, uint64_t seed)
 {
     V3 eye = { -1.1f, -0.5f, 0.9f }, wi, p;
-    Ray r = ray_between(eye, POINT);
+    Ray r = ray_towards(eye, POINT);
     float below = 0;
     LightSample ls;
     Fixed f;
