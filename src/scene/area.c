@@ -98,24 +98,27 @@ static void clear(Light *base) { table_clear(&((Area *)base)->triangles); }
 
 static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
 {
+    const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
-    Ray none = { { 0, 0, 0 }, { 0, 0, 1 }, 0 };
-    Surface sf;
     size_t i;
-    Hit h;
     V3 b;
 
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    h.prim = shape->first + (uint32_t)i;
-    h.u = b.y;
-    h.v = b.z;
-    h.t = 0.0f;
-    geometry_surface(geometry_of(l), &none, &h, &sf);
-    s->p = sf.p;
-    s->err = sf.err;
-    s->n = sf.ng;
+    if (shape->n) {                             /* the file's normals say which side shines */
+        Ray none = { { 0, 0, 0 }, { 0, 0, 1 }, 0 };
+        Hit h = { 0, b.y, b.z, NO_PRIM, shape->first + (uint32_t)i };
+        Surface sf;
+        geometry_surface(g, &none, &h, &sf);
+        s->p = sf.p;
+        s->err = sf.err;
+        s->n = sf.ng;
+        return true;
+    }
+    geometry_point(g, shape->first + (uint32_t)i, b.y, b.z, &s->p, &s->err, &s->n);
+    if (shape->flip)
+        s->n = v_neg(s->n);
     return true;
 }
 
