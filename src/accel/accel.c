@@ -118,21 +118,29 @@ bool odd_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, 
 
 /* ---- surfaces ---- */
 
-/* A point p with error e goes through the map m: |m| e, and the roundings of the product. */
+/* |m| v + w |translation|: what errors, and sizes, of coordinates become. */
+static V3 affine_spread(const Affine *a, V3 v, float w)
+{
+    const float (*m)[4] = a->m;
+    float out[3];
+
+    for (int i = 0; i < 3; i++)
+        out[i] = fabsf(m[i][0]) * v.x + fabsf(m[i][1]) * v.y + fabsf(m[i][2]) * v.z +
+                 fabsf(m[i][3]) * w;
+    return v3(out[0], out[1], out[2]);
+}
+
+/* To the error of p come four roundings of the map; and since the ray that leaves the surface has
+ * to come back into the object, as many of the inverse map and one of each of the numbers of both,
+ * which makes them not quite each other's inverse. */
 static void surface_to_world(const Instance *in, Surface *s)
 {
-    const float (*m)[4] = in->to_world.m;
-    V3 p = s->p, e = s->err;
-    float err[3];
+    V3 size = affine_spread(&in->to_world, v_abs(s->p), 1.0f);
+    V3 back = affine_spread(&in->to_object, size, 1.0f);
+    V3 err = affine_spread(&in->to_world, v_mad(back, ROUNDINGS(8), s->err), 0.0f);
 
-    for (int i = 0; i < 3; i++) {
-        float size = fabsf(m[i][0] * p.x) + fabsf(m[i][1] * p.y) + fabsf(m[i][2] * p.z) +
-                     fabsf(m[i][3]);
-        err[i] = (fabsf(m[i][0]) * e.x + fabsf(m[i][1]) * e.y + fabsf(m[i][2]) * e.z) *
-                     (1.0f + ROUNDINGS(4)) + ROUNDINGS(4) * size;
-    }
-    s->p = affine_point(&in->to_world, p);
-    s->err = v3(err[0], err[1], err[2]);
+    s->p = affine_point(&in->to_world, s->p);
+    s->err = v_mad(size, ROUNDINGS(8), err);
     s->ng = v_unit(affine_transposed(&in->to_object, s->ng));
     s->ns = v_unit(affine_transposed(&in->to_object, s->ns));
 }

@@ -35,6 +35,19 @@ INLINE V3 ray_origin(V3 p, V3 err, V3 n, V3 w)
  * out at just below 1. Sixteen roundings cover the test of a triangle and the two offsets. */
 #define SHADOW_TMAX (1.0f - ROUNDINGS(16))
 
+/* The shadow ray from the surface point a to the surface point b, which lies towards w; errors and
+ * normals as for ray_origin. The end is moved farther from its surface than an origin is, because a
+ * ray wanders from its line by roundings of the way it goes, component by component: one in its
+ * direction, and six in the test of a triangle (two in a corner's way from the origin, four in the
+ * shear). With less, a small light far away would stand in its own light where it is seen at a
+ * grazing angle. */
+INLINE Ray ray_between(V3 a, V3 a_err, V3 a_n, V3 b, V3 b_err, V3 b_n, V3 w)
+{
+    V3 err = v_mad(v_abs(v_sub(b, a)), ROUNDINGS(8), b_err);
+    V3 o = ray_origin(a, a_err, a_n, w), end = ray_origin(b, err, b_n, v_neg(w));
+    return (Ray){ o, v_sub(end, o), SHADOW_TMAX };
+}
+
 /* ---- boxes ---- */
 
 /* The ray as the tests of boxes and triangles want it. For boxes: the inverse direction and, for
@@ -46,6 +59,7 @@ typedef struct {
     int kx, ky, kz;
     float sx, sy, sz;
     float ox, oy, oz;           /* the origin, permuted */
+    V3  d;                      /* as it was given */
 } Probe;
 
 static const int NEXT_AXIS[3] = { 1, 2, 0 };
@@ -57,6 +71,7 @@ INLINE Probe probe_of(const Ray *r)
     const float *c = &d.x;              /* a V3 is three floats in a row, see triangle.h */
 
     p.o = r->o;
+    p.d = d;
     p.inv = v3(1.0f / d.x, 1.0f / d.y, 1.0f / d.z);
     p.neg[0] = p.inv.x < 0.0f;
     p.neg[1] = p.inv.y < 0.0f;

@@ -18,59 +18,104 @@ bool hit_in_box(const Probe *p, Box box, float *t)
     if (!(n <= f))
         return false;
     *t = *t < n ? n : *t > f ? f : *t;
-    return true;
+    return *t < INFINITY;
 }
 
-/* Bound of the absolute error of t, from the sheared coordinates a, b, c of the corners, the edge
- * functions e and 1/det: [PBRT4 6.8.7]. */
-static float t_error(V3 a, V3 b, V3 c, V3 e, float inv_det)
+/* ---- triangles that reach from behind the origin to before it ----
+ *
+ * Such a one may be met where it is not: a surface that the ray has just left, at a grazing angle,
+ * is seen as a strip thinner than its rounding. A bound of the error of t would have to grow with
+ * the angle until it hid true hits of needles, and rays would slip out there. So the plane decides,
+ * in which the point that is met must lie: before the origin or behind it. Where the plane holds
+ * the ray, or as good as holds it, that says nothing either; then the triangle must be somewhere
+ * else than the origin. */
+
+/* t of the ray's way to the triangle's plane, in double from the numbers as they were given. Its
+ * sign is certain where the origin is farther from the plane than 2^-48 of the triangle's size;
+ * ray_origin moves it farther. */
+static double plane_t(const Probe *r, V3 a, V3 b, V3 c)
 {
-    float mx = f_max(fabsf(a.x), f_max(fabsf(b.x), fabsf(c.x)));
-    float my = f_max(fabsf(a.y), f_max(fabsf(b.y), fabsf(c.y)));
-    float mz = f_max(fabsf(a.z), f_max(fabsf(b.z), fabsf(c.z)));
-    float dx = ROUNDINGS(5) * (mx + mz), dy = ROUNDINGS(5) * (my + mz), dz = ROUNDINGS(3) * mz;
-    float de = 2.0f * (ROUNDINGS(2) * mx * my + dy * mx + dx * my);
-    float me = v_max3(v_abs(e));
-    return 3.0f * (ROUNDINGS(3) * me * mz + de * mz + dz * me) * fabsf(inv_det);
+    double ux = (double)b.x - a.x, uy = (double)b.y - a.y, uz = (double)b.z - a.z;
+    double vx = (double)c.x - a.x, vy = (double)c.y - a.y, vz = (double)c.z - a.z;
+    double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    double away = nx * ((double)a.x - r->o.x) + ny * ((double)a.y - r->o.y) +
+                  nz * ((double)a.z - r->o.z);
+    return away / (nx * r->d.x + ny * r->d.y + nz * r->d.z);
 }
 
-/* The edge functions in double: products of two floats are exact there. [Woop13 3.3] */
-static V3 edges_exact(V3 a, V3 b, V3 c)
+/* Where the line x = 0 crosses the edge from (x0, z0) to (x1, z1), if it does: *least becomes the
+ * least z so far. */
+static void cross_edge(float x0, float z0, float x1, float z1, float *least)
 {
-    return v3((float)((double)c.x * b.y - (double)c.y * b.x),
-              (float)((double)a.x * c.y - (double)a.y * c.x),
-              (float)((double)b.x * a.y - (double)b.y * a.x));
+    float z;
+
+    if ((x0 < 0.0f && x1 < 0.0f) || (x0 > 0.0f && x1 > 0.0f))
+        return;
+    z = x0 != x1 ? (x0 * z1 - x1 * z0) / (x0 - x1) : f_min(z0, z1);
+    *least = f_min(z, *least);
 }
 
-NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, TriangleView *v,
-                              Hit *h)
+static float extent(float a, float b, float c)
+{
+    return f_max(a, f_max(b, c)) - f_min(a, f_min(b, c));
+}
+
+/* Whether all that the ray could meet of the triangle lies before the origin, and 2^-10 of its
+ * depth away: much more than a point's error could put an origin beside its own surface. Seen
+ * edge-on a triangle is a line; the ray meets it between two of its edges. */
+static bool clearly_ahead(const TriangleView *v, bool forward)
+{
+    V3 a = v->a, b = v->b, c = v->c;
+    float most = f_max(fabsf(a.z), f_max(fabsf(b.z), fabsf(c.z))), least = INFINITY;
+
+    if (extent(a.y, b.y, c.y) > extent(a.x, b.x, c.x)) {
+        a.x = a.y;
+        b.x = b.y;
+        c.x = c.y;
+    }
+    if (!forward) {
+        a.z = -a.z;
+        b.z = -b.z;
+        c.z = -c.z;
+    }
+    cross_edge(a.x, a.z, b.x, b.z, &least);
+    cross_edge(b.x, b.z, c.x, c.z, &least);
+    cross_edge(c.x, c.z, a.x, a.z, &least);
+    return least > 0x1p-10f * most;
+}
+
+NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,
+                              const TriangleView *v, Hit *h)
 {
     const Tri *tri = &g->tri[prim];
-    V3 a = v->a, b = v->b, c = v->c, e = v->e;
-    float det, inv, t;
+    V3 pa = g->p[tri->v[0]], pb = g->p[tri->v[1]], pc = g->p[tri->v[2]];
+    V3 a = v->a, b = v->b, c = v->c;
+    double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
+    double eb = (double)a.x * c.y - (double)a.y * c.x;
+    double ec = (double)b.x * a.y - (double)b.y * a.x;
+    double det = ea + eb + ec, along = v_pick(&r->d, r->kz), plane;
+    float t;
 
-    if (e.x == 0.0f || e.y == 0.0f || e.z == 0.0f) {
-        e = edges_exact(a, b, c);
-        if (f_min(e.x, f_min(e.y, e.z)) < 0.0f && f_max(e.x, f_max(e.y, e.z)) > 0.0f)
+    if ((ea < 0 || eb < 0 || ec < 0) && (ea > 0 || eb > 0 || ec > 0))
+        return false;
+    if (det == 0)
+        return false;
+    t = (float)((ea * a.z + eb * b.z + ec * c.z) / (det * along));
+    if (!(t > 0.0f))
+        return false;
+    if (f_min(a.z, f_min(b.z, c.z)) <= 0.0f && f_max(a.z, f_max(b.z, c.z)) >= 0.0f) {
+        plane = plane_t(r, pa, pb, pc);
+        if (plane > 0)
+            t = (float)plane;
+        else if (!clearly_ahead(v, along > 0))
             return false;
     }
-    det = e.x + e.y + e.z;
-    if (det == 0.0f)
-        return false;
-    a.z *= r->sz;
-    b.z *= r->sz;
-    c.z *= r->sz;
-    inv = 1.0f / det;
-    t = (e.x * a.z + e.y * b.z + e.z * c.z) * inv;
-    if (f_min(a.z, f_min(b.z, c.z)) <= 0.0f && !(t > t_error(a, b, c, e, inv)))
-        return false;
-    if (!hit_in_box(r, triangle_box(g->p[tri->v[0]], g->p[tri->v[1]], g->p[tri->v[2]]), &t))
-        return false;
-    if (!(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
+    if (!hit_in_box(r, triangle_box(pa, pb, pc), &t) || !(t > 0.0f) || t > h->t ||
+        (t == h->t && prim >= h->outer))
         return false;
     h->t = t;
-    h->u = e.y * inv;
-    h->v = e.z * inv;
+    h->u = (float)(eb / det);
+    h->v = (float)(ec / det);
     h->outer = h->prim = prim;
     return true;
 }

@@ -5,14 +5,15 @@
  *             largest component of the direction, shear so that the ray is the +z axis. What is
  *             left is whether the origin lies in a 2-D triangle: three edge functions. An edge
  *             that two triangles share gives both the same two products, subtracted in opposite
- *             order, so no ray can slip between them. An edge function that comes out 0 is computed
- *             again in double, where the products are exact.
+ *             order, so no ray can slip between them. A sign that float cannot tell is settled in
+ *             double, where the products are exact.
  * Invariants  Bits depend on the ray and the corners alone, so every accelerator that calls this
  *             gives the same t. No contraction into fused multiply-adds (the build sees to it).
- * Error       t is the mean of the corners' sheared depths with weights U, V, W of one sign, so it
- *             lies between the least and the largest depth whatever the error of the weights. Only
- *             a triangle that straddles the plane through the origin can yield a t > 0 which in
- *             truth is not; there t must exceed the bound of its error, [PBRT4 6.8.7].
+ * Error       The point that is met is one of the true triangle, no farther off the ray than the
+ *             roundings of its corners as the ray sees them: along each axis two of the corner's
+ *             distance and four of the shear. t is its depth, a mean of the corners' depths with
+ *             weights of one sign, in double: needles are as good as other triangles. A triangle
+ *             before and behind the origin at once needs more care, see triangle.c.
  *             The result is then put between the entry and the exit of the triangle's own box, see
  *             slabs() in ray.h: what lets every accelerator find just the same hits.
  * Departs     No culling of back faces, hence no swap of axes to keep the winding. */
@@ -35,7 +36,8 @@ INLINE Box triangle_box(V3 a, V3 b, V3 c)
     return (Box){ v_sub(lo, m), v_add(hi, m) };
 }
 
-/* Puts t between where the ray enters and leaves the box. False: it never does. */
+/* Puts t between where the ray enters and leaves the box. False: it never does, or not within the
+ * range of floats, where boxes could not tell entry from exit. */
 bool hit_in_box(const Probe *p, Box box, float *t);
 
 /* The corner as the ray sees it: x, y across, z along it, in units of the direction's largest
@@ -46,18 +48,19 @@ INLINE V3 triangle_across(const Probe *r, const V3 *p)
     return v3((v_pick(p, r->kx) - r->ox) - r->sx * z, (v_pick(p, r->ky) - r->oy) - r->sy * z, z);
 }
 
-/* Twice the areas that the ray makes with the edges b-c, c-a, a-b: the weights of a, b, c. */
+/* Twice the areas that the ray makes with the edges b-c, c-a, a-b: the weights of a, b, c. Their
+ * signs, where they are not 0, are certain. */
 INLINE V3 triangle_edges(V3 a, V3 b, V3 c)
 {
     return v3(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
 }
 
-/* A triangle as the ray sees it: its corners, and the edge functions, whose signs tell whether the
- * ray passes it within. */
-typedef struct { V3 a, b, c, e; } TriangleView;
+/* The corners of a triangle as the ray sees them. */
+typedef struct { V3 a, b, c; } TriangleView;
 
-/* What is left to do once the ray may pass between the edges: depth, error, box, order. */
-bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, TriangleView *v, Hit *h);
+/* What is left to do once the ray may pass between the edges: weights, depth, box, order. */
+bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, const TriangleView *v,
+                     Hit *h);
 
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
  * is set. Most calls end here, with edge functions of both signs. */
@@ -76,7 +79,6 @@ INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Probe *r, H
     v.a = a;
     v.b = b;
     v.c = c;
-    v.e = e;
     return triangle_accept(g, prim, r, &v, h);
 }
 

@@ -16,14 +16,9 @@ bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to)
 {
     Ray r;
 
-    r.o = ray_origin(from->p, from->err, from->ng, to->wi);
-    if (is_finite(to->dist)) {
-        V3 end = ray_origin(to->p, to->err, to->n, v_neg(to->wi));
-        r.d = v_sub(end, r.o);
-        r.tmax = SHADOW_TMAX;
-    } else {
-        r.d = to->wi;
-        r.tmax = INFINITY;
-    }
+    if (is_finite(to->dist))
+        r = ray_between(from->p, from->err, from->ng, to->p, to->err, to->n, to->wi);
+    else
+        r = (Ray){ ray_origin(from->p, from->err, from->ng, to->wi), to->wi, INFINITY };
     return !tracer_blocked(t, &r);
 }

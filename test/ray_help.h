@@ -1,0 +1,81 @@
+/* ray_help.h -- what the suites of rays share: every accelerator in every setting, a zoo of meshes,
+ * and rays of every awkward class. */
+#ifndef TEST_RAY_HELP_H
+#define TEST_RAY_HELP_H
+
+#include "accel/accel.h"
+#include "base/random.h"
+#include "geometry/generate.h"
+#include "test/test.h"
+
+/* ---- accelerators ---- */
+
+typedef struct {
+    const AccelKind *kind;
+    Opts opts;
+    char name[100];             /* as on the command line */
+} Setting;
+
+/* All accelerators but `brute`, each with every combination of its words and switches and of the
+ * least, the usual and a large value of its whole numbers. Ends at kind NULL. */
+const Setting *settings_all(void);
+/* The same, each accelerator once as it comes, and after them `brute`. */
+const Setting *settings_usual(void);
+const Setting *setting_brute(void);
+
+Accel *setting_build(const Setting *s, const Geometry *g);      /* never NULL; may end the case */
+
+/* ---- meshes ---- */
+
+typedef struct { const char *name; void (*make)(Mesh *m); } ZooMesh;
+extern const ZooMesh zoo_tame[];        /* a few hundred triangles each; both end at name NULL */
+extern const ZooMesh zoo_wild[];        /* degenerate in one way or another */
+
+void mesh_of(Mesh *m, uint32_t nverts, uint32_t ntris);         /* room, all 0 */
+/* p becomes scale p + offset, in double and rounded once. */
+void mesh_place(Mesh *m, double scale, V3 offset);
+/* A finished geometry of this mesh alone, which is emptied. */
+void geometry_of(Geometry *g, Mesh *m);
+
+/* ---- rays ---- */
+
+typedef enum {
+    RAY_RANDOM,                 /* from around the box to a point in it */
+    RAY_INSIDE,                 /* from a point in the box, any direction */
+    RAY_AXIS,                   /* along an axis, the other components 0 or -0 */
+    RAY_PLANE,                  /* one component 0 or -0; origins on planes of vertices */
+    RAY_TINY,                   /* components between 0 and 1, denormal ones among them */
+    RAY_ON_VERTEX,              /* the origin is a vertex; half of them run to another vertex */
+    RAY_ON_FACE,                /* the origin is a point of an edge or face, rounded */
+    RAY_TO_VERTEX, RAY_TO_EDGE, RAY_TO_CENTRE,
+    RAY_GRAZING,                /* within the plane of a triangle, or along an edge */
+    RAY_SHORT,                  /* tmax a step around the distance of a hit */
+    RAY_LENGTH,                 /* directions of length 2^-60 .. 2^60 */
+    RAY_EXTREME,                /* directions of length 2^-130 .. 2^126 */
+    RAY_CLASSES
+} RayClass;
+extern const char *const ray_class_names[RAY_CLASSES];
+
+typedef struct {
+    const Geometry *g;          /* borrowed */
+    const Accel *truth;         /* borrowed; for RAY_SHORT */
+    Box box;
+    Rng rng;
+} RayMaker;
+
+RayMaker ray_maker(const Geometry *g, const Accel *truth, uint64_t seed);
+Ray ray_make(RayMaker *m, RayClass c);
+
+float rng_between(Rng *r, float lo, float hi);
+V3    rng_direction(Rng *r);                    /* uniform, unit to rounding */
+V3    rng_in_box(Rng *r, Box b);
+V3    rng_barycentric(Rng *r);                  /* uniform over a triangle */
+/* a weights.x + b weights.y + c weights.z, rounded once. */
+V3    blend(V3 a, V3 b, V3 c, V3 weights);
+float float_after(float x);                     /* the next larger float; x finite */
+float float_before(float x);
+
+/* "o (x y z) d (x y z) tmax" with all digits, for messages. In one of four static buffers. */
+const char *ray_text(const Ray *r);
+
+#endif
