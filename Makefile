@@ -15,7 +15,7 @@ RUN = sh src/rules.sh "$(V)" "$(PORTABLE)" "$(CC)" "$(CFLAGS)" "$(LDFLAGS)" && \
 
 all: rules
 	+@$(RUN) build/$(V)/rushlight
-	@test "$(V)" != release || cp -p build/release/rushlight rushlight
+	@test "$(V)" != release || { cp -p build/release/rushlight rushlight.new && mv -f rushlight.new rushlight; }
 
 check: all
 	+@$(RUN) build/$(V)/test

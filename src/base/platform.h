@@ -29,4 +29,12 @@
      ((x) >> 40 & 0xFF00u) | (x) >> 56)
 #endif
 
+/* tcc 0.9.27 stores 16 bytes where it returns a struct of three floats by value, and so overwrites
+ * whatever stands behind it: it gets a fourth. */
+#ifdef __TINYC__
+#define FOURTH_FLOAT , unused
+#else
+#define FOURTH_FLOAT
+#endif
+
 #endif

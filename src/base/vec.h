@@ -6,8 +6,8 @@
 #include "base/platform.h"
 
 typedef struct { float x, y; } V2;
-typedef struct { float x, y, z; } V3;
-typedef struct { float r, g, b; } Rgb;                  /* linear, Rec. 709 primaries */
+typedef struct { float x, y, z FOURTH_FLOAT; } V3;
+typedef struct { float r, g, b FOURTH_FLOAT; } Rgb;                  /* linear, Rec. 709 primaries */
 
 INLINE V3 v3(float x, float y, float z) { return (V3){ x, y, z }; }
 INLINE V3 v_all(float s) { return (V3){ s, s, s }; }
