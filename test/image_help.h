@@ -29,6 +29,16 @@ static inline const ToneMap *tonemap_named(const char *name)
     return *t;
 }
 
+/* Whether n pixels have the same bits: by component, since a pixel may be wider than those. */
+static inline bool same_pixels(const Rgb *a, const Rgb *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (memcmp(&a[i].r, &b[i].r, sizeof(float)) || memcmp(&a[i].g, &b[i].g, sizeof(float)) ||
+            memcmp(&a[i].b, &b[i].b, sizeof(float)))
+            return false;
+    return true;
+}
+
 /* A path in the folder of the case. Static buffer. */
 static inline const char *in_folder(const char *name)
 {
