@@ -4,6 +4,7 @@
 #include "image/image.h"
 #include "integrators/integrator.h"
 #include "test/cli_help.h"
+#include "test/image_help.h"
 
 #include <math.h>
 #include <string.h>
