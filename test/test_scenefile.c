@@ -121,6 +121,31 @@ static void attributes(void)
     scenefile_clear(&f);
 }
 
+/* Each light is that of its own shape: its power is pi L area. */
+static void area_lights(void)
+{
+    const AccelKind *kind = kind_find(accels, "brute");
+    Opts o;
+    SceneFile f = scene_of(
+        "WorldBegin Shape \"disk\" AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Scale 3 3 3\n"
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n"
+        "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float scale\" 4 Shape \"sphere\"", 0);
+    static const double power[] = { 2 * 4.5 * PI, 4 * 36 * PI * PI };
+
+    opts_default(&o, kind->info.options);
+    REQUIRE(scene_build(f.scene, kind, &o, 1) && f.scene->nlights == 2, "two lights");
+    for (size_t k = 0; k < 2; k++) {
+        const Light *l = f.scene->lights[k];
+        float w = l->kind->power(l).r;
+        EXPECT(fabs(w / power[k] - 1) < 1e-5, "light %lu: %g W, not %g", (unsigned long)k, w,
+               power[k]);
+        EXPECT(scene_shape(&f, k + 1)->light == k, "light of shape %lu", (unsigned long)k + 1);
+        EXPECT(l->at.line == 1 + 2 * (int)k && l->at.column == (k ? 1 : 25), "its place");
+    }
+    EXPECT(scene_shape(&f, 0)->light == NO_LIGHT, "the disc is dark");
+    scenefile_clear(&f);
+}
+
 /* Defaults of version 4: the newest counts, the shape's own more than any, and they end. */
 static void attribute_defaults(void)
 {
@@ -356,6 +381,7 @@ const TestCase test_scenefile[] = {
     { "camera", camera, false },
     { "active_transform", active_transform, false },
     { "attributes", attributes, false },
+    { "area_lights", area_lights, false },
     { "attribute_defaults", attribute_defaults, false },
     { "parameters", parameters, false },
     { "settings", settings, false },

@@ -396,6 +396,29 @@ static void blackbodies(void)
     expect_rgb("flat albedo of 2", b, 2, 2, 2, 1e-12);
 }
 
+/* One number: version 4, luminance 1. Two: version 3, with the scale of the peak. */
+static void blackbody_parameters(void)
+{
+    static const double scale = 3;
+    SceneFile f = scene_of("WorldBegin\n"
+                           "LightSource \"point\" \"blackbody I\" 3000 \"float scale\" 2\n"
+                           "LightSource \"point\" \"blackbody I\" [3000 3]", 0);
+    double a[3], b[3], four_pi = 12.566370614;
+    Rgb p = f.scene->lights[0]->kind->power(f.scene->lights[0]);
+    Rgb q = f.scene->lights[1]->kind->power(f.scene->lights[1]);
+    Cie cie;
+
+    cie_init(&cie);
+    spectrum_from_kelvin(&cie, 3000, NULL, a);
+    spectrum_from_kelvin(&cie, 3000, &scale, b);
+    EXPECT(fabs(p.r / (2 * four_pi * a[0]) - 1) < 1e-6 &&
+               fabs(p.b / (2 * four_pi * a[2]) - 1) < 1e-6,
+           "version 4: %g %g %g", p.r, p.g, p.b);
+    EXPECT(fabs(q.r / (four_pi * b[0]) - 1) < 1e-6 && fabs(q.b / (four_pi * b[2]) - 1) < 1e-6,
+           "version 3: %g %g %g", q.r, q.g, q.b);
+    scenefile_clear(&f);
+}
+
 /* Of the metals: constants as they are in the scenes that Bitterli gave away, made of other
  * measurements and under illuminant E, whose white is divided out here (1.205, 0.948, 0.909). */
 static void named_spectra(void)
@@ -482,6 +505,8 @@ static void spellings(void)
         { "\"metal\"", "\"conductor\" \"float roughness\" .01" },
         { "\"conductor\" \"bool remaproughness\" \"false\"",
           "\"conductor\" \"bool remaproughness\" false" },
+        { "\"conductor\" \"rgb roughness\" [.1 .2 .6]", "\"conductor\" \"float roughness\" .3" },
+        { "\"diffuse\" \"xyz reflectance\" [9 9 9]", "\"diffuse\" \"float reflectance\" 1" },
         { "\"conductor\" \"spectrum eta\" [300 2 800 2]", "\"conductor\" \"rgb eta\" [2 2 2]" },
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
@@ -510,6 +535,8 @@ static void substitutes(void)
         { "plastic", "coateddiffuse" },     { "substrate", "coateddiffuse" },
         { "uber", "coateddiffuse" },        { "translucent", "diffuse" },
         { "disney", "coateddiffuse" },      { "hair", "diffuse" },
+        { "kdsubsurface", "coateddiffuse" }, { "diffusetransmission", "diffuse" },
+        { "measured", "diffuse" },          { "fourier", "diffuse" },
         { "subsurface", "coateddiffuse" },  { "thindielectric", "dielectric" },
         { "coatedconductor", "conductor" }, { "nothing like it", "diffuse" },
     };
@@ -518,8 +545,8 @@ static void substitutes(void)
         const char *name;
         char text[200];
         SceneFile f;
-        snprintf(text, sizeof text, "WorldBegin Material \"%s\" \"rgb x\" [1 1 1] Shape \"sphere\"",
-                 rows[i].type);
+        snprintf(text, sizeof text, "WorldBegin Material \"%s\" \"rgb x\" [1 1 1] \"float y\" 1 "
+                 "Shape \"sphere\"", rows[i].type);
         f = scene_of(text, 1);
         name = f.scene->materials[scene_shape(&f, 0)->material].kind->info.name;
         EXPECT(!strcmp(name, rows[i].kind), "%s became %s", rows[i].type, name);
@@ -687,6 +714,7 @@ const TestCase test_scenefile_things[] = {
     { "loop_normals", loop_normals, false },
     { "loop_manifold", loop_manifold, false },
     { "blackbodies", blackbodies, false },
+    { "blackbody_parameters", blackbody_parameters, false },
     { "named_spectra", named_spectra, false },
     { "colour_spaces", colour_spaces, false },
     { "spd_file", spd_file, false },
