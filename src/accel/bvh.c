@@ -82,39 +82,49 @@ static float ref_centre(const Ref *r, int axis)
     return 0.5f * v_axis(r->box.lo, axis) + 0.5f * v_axis(r->box.hi, axis);
 }
 
-/* Ties are settled by the primitive's number, so the tree does not depend on the order of refs. */
-static bool ref_before(const Ref *a, const Ref *b, int axis)
+/* The place of the centre along the axis as a number of the same order, with the primitive's number
+ * below it: no two are equal, so the tree does not depend on the order of refs. */
+static uint64_t ref_key(const Ref *r, int axis)
 {
-    float x = ref_centre(a, axis), y = ref_centre(b, axis);
-    return x < y || (x == y && a->prim < b->prim);
+    float centre = ref_centre(r, axis) + 0.0f;          /* -0 counts as 0 */
+    uint32_t bits;
+
+    memcpy(&bits, &centre, 4);
+    bits ^= bits >> 31 ? 0xFFFFFFFFu : 0x80000000u;
+    return (uint64_t)bits << 32 | r->prim;
 }
 
-/* Hoare's selection: afterwards refs[0..k) come before refs[k..n) along the axis. */
+/* Afterwards refs[0..k) come before refs[k..n) along the axis. What is bisected is the range of the
+ * keys, so that no order and no spacing of the input takes more than 64 rounds. */
 static void select_refs(Ref *refs, size_t n, size_t k, int axis)
 {
-    size_t lo = 0, hi = n;
+    uint64_t least = UINT64_MAX, most = 0;
+    size_t lo = 0, hi = n, mid = n;
 
-    while (hi - lo > 1) {
-        Ref pivot = refs[lo + (hi - lo - 1) / 2];   /* never the last: the left part shrinks */
-        size_t i = lo, j = hi - 1;
-        for (;;) {
-            Ref swap;
-            while (ref_before(&refs[i], &pivot, axis))
-                i++;
-            while (ref_before(&pivot, &refs[j], axis))
-                j--;
-            if (i >= j)
-                break;
-            swap = refs[i];
-            refs[i++] = refs[j];
-            refs[j--] = swap;
+    for (size_t i = 0; i < n; i++) {
+        uint64_t key = ref_key(&refs[i], axis);
+        least = key < least ? key : least;
+        most = key > most ? key : most;
+    }
+    while (mid != k) {
+        uint64_t pivot = least + (most - least) / 2;
+        size_t end = hi;
+        for (mid = lo; mid < end;) {
+            Ref swap = refs[mid];
+            if (ref_key(&swap, axis) <= pivot)
+                mid++;
+            else {
+                refs[mid] = refs[--end];
+                refs[end] = swap;
+            }
         }
-        if (k <= j)                             /* [lo..j] <= pivot <= [j+1..hi) */
-            hi = j + 1;
-        else
-            lo = j + 1;
-        if (lo >= k && hi <= k + 1)
-            break;
+        if (k < mid) {
+            hi = mid;
+            most = pivot;
+        } else {
+            lo = mid;
+            least = pivot + 1;
+        }
     }
 }
 
@@ -128,8 +138,8 @@ typedef struct { Box box; uint32_t n; } Bin;
 
 static int bin_of(const Ref *r, int axis, float lo, float scale)
 {
-    int b = (int)((ref_centre(r, axis) - lo) * scale);
-    return b < 0 ? 0 : b >= BINS ? BINS - 1 : b;
+    float b = (ref_centre(r, axis) - lo) * scale;       /* no number if the extent overflows */
+    return b >= (float)BINS ? BINS - 1 : b > 0.0f ? (int)b : 0;
 }
 
 /* Least cost of a split between bins: sum over sides of area times count. *cut: first bin of the
