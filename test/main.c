@@ -16,7 +16,7 @@
     X(generate) X(scenefile) X(scenefile_errors) X(scenefile_things) X(scenefile_hostile) \
     X(cli) X(cli_images) X(cli_render) X(cli_output) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
-    X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film) \
+    X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film) X(bugs) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
