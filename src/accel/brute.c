@@ -18,9 +18,10 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
 
 static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
 {
-    Probe p = probe_of(r);
+    Probe p;
     Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
 
+    probe_init(&p, r);
     for (uint32_t i = 0; i < geometry_prims(a->geo); i++)
         prim_nearest(a->geo, i, r, &p, &best, steps);
     if (steps)
@@ -33,8 +34,9 @@ static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
 
 static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 {
-    Probe p = probe_of(r);
+    Probe p;
 
+    probe_init(&p, r);
     for (uint32_t i = 0; i < geometry_prims(a->geo); i++) {
         if (steps)
             steps->prims++;

@@ -356,17 +356,15 @@ typedef struct {
     F4Turn turn[3];             /* exchanges near and far planes where the direction is negative */
 } PairProbe;
 
-INLINE PairProbe pair_probe(const Probe *p)
+INLINE void pair_probe_init(PairProbe *q, const Probe *p)
 {
-    PairProbe q;
     for (int k = 0; k < 3; k++) {
         float o = (&p->o.x)[k], i = (&p->inv.x)[k];
-        q.o[k] = f4(o, o, o, o);
-        q.inv[k] = f4(i, i, -i, -i);
-        q.turn[k] = f4_turn_if(p->neg[k]);
+        q->o[k] = f4(o, o, o, o);
+        q->inv[k] = f4(i, i, -i, -i);
+        q->turn[k] = f4_turn_if(p->neg[k]);
     }
-    q.widen = f4(1.0f, 1.0f, SLAB_WIDEN, SLAB_WIDEN);
-    return q;
+    q->widen = f4(1.0f, 1.0f, SLAB_WIDEN, SLAB_WIDEN);
 }
 
 /* Bit k is set if the ray enters box k before it leaves it and not beyond tmax; then lane k of
@@ -391,11 +389,13 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
 {
     const Geometry *g = b->base.geo;
     Waiting stack[STACK], *top = stack;
-    Probe p = probe_of(r);
-    PairProbe q = pair_probe(&p);
+    Probe p;
+    PairProbe q;
     Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
     Link link = b->root;
 
+    probe_init(&p, r);
+    pair_probe_init(&q, &p);
     for (;;) {
         if (steps)
             steps->nodes++;
@@ -438,9 +438,11 @@ INLINE bool blocked_steps(const Bvh *b, const Ray *r, Steps *steps)
 {
     const Geometry *g = b->base.geo;
     Link stack[STACK], *top = stack, link = b->root;
-    Probe p = probe_of(r);
-    PairProbe q = pair_probe(&p);
+    Probe p;
+    PairProbe q;
 
+    probe_init(&p, r);
+    pair_probe_init(&q, &p);
     for (;;) {
         if (steps)
             steps->nodes++;

@@ -64,29 +64,30 @@ typedef struct {
 
 static const int NEXT_AXIS[3] = { 1, 2, 0 };
 
-INLINE Probe probe_of(const Ray *r)
+/* In place: a Probe by value would be copied whole just after its parts were written, for which
+ * processors wait. No branches either: they would be taken at random. */
+INLINE void probe_init(Probe *p, const Ray *r)
 {
-    Probe p;
-    V3 d = r->d, a = v_abs(d);
-    const float *c = &d.x;              /* a V3 is three floats in a row, see triangle.h */
+    const float *o = &r->o.x, *d = &r->d.x;     /* a V3 is three floats in a row, see triangle.h */
+    float ax = fabsf(r->d.x), ay = fabsf(r->d.y), az = fabsf(r->d.z);
+    float ix = 1.0f / r->d.x, iy = 1.0f / r->d.y, iz = 1.0f / r->d.z;
+    int top = az > f_max(ax, ay);
 
-    p.o = r->o;
-    p.d = d;
-    p.inv = v3(1.0f / d.x, 1.0f / d.y, 1.0f / d.z);
-    p.neg[0] = p.inv.x < 0.0f;
-    p.neg[1] = p.inv.y < 0.0f;
-    p.neg[2] = p.inv.z < 0.0f;
-    p.kz = a.y > a.x;                   /* no branches: they would be taken at random */
-    p.kz = a.z > f_max(a.x, a.y) ? 2 : p.kz;
-    p.kx = NEXT_AXIS[p.kz];
-    p.ky = NEXT_AXIS[p.kx];
-    p.sz = (&p.inv.x)[p.kz];
-    p.sx = c[p.kx] * p.sz;
-    p.sy = c[p.ky] * p.sz;
-    p.ox = (&p.o.x)[p.kx];
-    p.oy = (&p.o.x)[p.ky];
-    p.oz = (&p.o.x)[p.kz];
-    return p;
+    p->o = r->o;
+    p->d = r->d;
+    p->inv = v3(ix, iy, iz);
+    p->neg[0] = ix < 0.0f;
+    p->neg[1] = iy < 0.0f;
+    p->neg[2] = iz < 0.0f;
+    p->kz = ((ay > ax) & (top - 1)) | top << 1;
+    p->kx = NEXT_AXIS[p->kz];
+    p->ky = NEXT_AXIS[p->kx];
+    p->sz = 1.0f / d[p->kz];
+    p->sx = d[p->kx] * p->sz;
+    p->sy = d[p->ky] * p->sz;
+    p->ox = o[p->kx];
+    p->oy = o[p->ky];
+    p->oz = o[p->kz];
 }
 
 /* The slab test. b holds lo.x lo.y lo.z - hi.x hi.y hi.z - (eight floats, two of them of no

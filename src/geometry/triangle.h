@@ -23,7 +23,7 @@
 #include "geometry/geometry.h"
 
 /* V3 is three floats in a row, so a component can be picked by number without a branch. */
-typedef char v3_is_three_floats[sizeof(V3) == 3 * sizeof(float) ? 1 : -1];
+typedef char v3_is_three_floats[offsetof(V3, z) == 2 * sizeof(float) ? 1 : -1];
 INLINE float v_pick(const V3 *v, int k) { return (&v->x)[k]; }
 
 /* The box of a triangle, widened by what the edge functions can err across a large triangle seen
