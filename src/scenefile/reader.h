@@ -129,7 +129,7 @@ bool reader_making(const Reader *r, Place at, const char *name, Making *m);
 const Cie *reader_cie(Reader *r);                /* NULL: out of memory, reported */
 bool reader_generate(Reader *r, Place at, uint64_t ntriangles);    /* false: too many, reported */
 
-/* ---- params.c ---- */
+/* ---- params.c, paramuse.c ---- */
 
 /* The parameters that follow; spectra become three numbers. In the pool until the next call. */
 bool params_read(Reader *r, SpectrumUse use, Params *out);
