@@ -142,8 +142,9 @@ static double gauss(const Integrand *g, double x0, double dx, double y0, double 
     return sum * dx * dy;
 }
 
-/* Halves a cell both ways until rules of 2 and of 3 points agree to 1e-3 (the latter is then right
- * to about 1e-5) or the difference is 2e-9 of the whole; at least `least`, at most 10 times. */
+/* Halves a cell both ways until rules of 2 and of 3 points agree to 1e-4 (the latter is then right
+ * to about 1e-6, unless a narrow peak makes them agree by chance) or the difference is 2e-9 of the
+ * whole; at least `least`, at most 10 times. */
 static double integrate(const Integrand *g, double x0, double dx, double y0, double dy, int depth,
                         int least)
 {
@@ -151,7 +152,7 @@ static double integrate(const Integrand *g, double x0, double dx, double y0, dou
     if (depth >= least) {
         coarse = gauss(g, x0, dx, y0, dy, 2);
         fine = gauss(g, x0, dx, y0, dy, 3);
-        if (fabs(fine - coarse) <= 1e-3 * fabs(fine) || fabs(fine - coarse) <= 2e-9 || depth == 10)
+        if (fabs(fine - coarse) <= 1e-4 * fabs(fine) || fabs(fine - coarse) <= 2e-9 || depth == 10)
             return fine;
     }
     dx *= 0.5;
