@@ -1,4 +1,4 @@
-/* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Tab-separated lines on
+/* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Tabbed lines on
  * standard output; figures of the best peers stand beside ours where there are any. Each figure is
  * the median of several runs after a warm-up, in CPU time of the process; what was computed is
  * checked, and a line that fails its check says WRONG. */

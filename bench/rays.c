@@ -58,7 +58,8 @@ static size_t primary(Ray *r)
     size_t side = 512, n = 0;
     for (size_t y = 0; y < side; y++)
         for (size_t x = 0; x < side; x++) {
-            V3 d = v3(((float)x / (float)side - 0.5f) * 0.9f, ((float)y / (float)side - 0.5f) * 0.9f,
+            V3 d = v3(((float)x / (float)side - 0.5f) * 0.9f,
+                      ((float)y / (float)side - 0.5f) * 0.9f,
                       -1.0f);
             r[n].o = v3(0, 0, 3.2f);
             r[n].d = v_unit(d);

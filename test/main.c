@@ -1,5 +1,5 @@
 /* main.c -- the test runner: test [--long] [--list] [--jobs N] [TEXT]. Runs the cases whose
- * suite/name contains TEXT, each in a forked process under alarm(). Last line: N passed, N failed. */
+ * suite/name contains TEXT, each in a process under alarm(). Last line: N passed, N failed. */
 #include "test/test.h"
 
 #include <errno.h>
@@ -17,8 +17,8 @@
     X(scenefile_shapes) X(scenefile_hostile) \
     X(cli) X(cli_images) X(cli_render) X(cli_output) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
-    X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film) X(bugs) \
-    X(rays) X(rays_closed) X(rays_leave) X(rays_lights)
+    X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film) \
+    X(bugs) X(faults) X(bytes) X(builds) X(rays) X(rays_closed) X(rays_leave) X(rays_lights)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

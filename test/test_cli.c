@@ -66,8 +66,8 @@ static void help_of_each(void)
     for (int i = 0; commands[i]; i++) {
         Cli page = CLI_WORKS("help %s", commands[i]->name);
         char head[160], line[100];
-        snprintf(head, sizeof head, "rushlight %s %s\n  %s\n", commands[i]->name, commands[i]->usage,
-                 commands[i]->summary);
+        snprintf(head, sizeof head, "rushlight %s %s\n  %s\n", commands[i]->name,
+                 commands[i]->usage, commands[i]->summary);
         EXPECT(!strncmp(page.out, head, strlen(head)), "help %s begins: %.100s", commands[i]->name,
                page.out);
         expect_options(commands[i], page.out);
@@ -170,7 +170,8 @@ static void unknown_kinds(void)
                         "path");
     expect_unknown_kind("tiny.pbrt --quiet --accel=brvte:a=1", accels, "accelerator", "brvte",
                         "brute");
-    expect_unknown_kind("tiny.pbrt --quiet --sampler randm", samplers, "sampler", "randm", "random");
+    expect_unknown_kind("tiny.pbrt --quiet --sampler randm", samplers, "sampler", "randm",
+                        "random");
     expect_unknown_kind("tiny.pbrt --quiet --filter frobnicate", filters, "filter", "frobnicate",
                         NULL);
     expect_unknown_kind("tiny.pbrt --tonemap ''", tonemaps, "tone mapper", "", NULL);
@@ -223,8 +224,9 @@ static void wrong_values(void)
         WHOLE("--max-memory", "0", "1", "1073741824"),
         WHOLE("--max-include", "10001", "1", "10000"),
         WHOLE("--max-file", "-5", "1", "1073741824"),
-        NUMBER("--time", "0", "0.001", "1000000000"), NUMBER("--time", "nan", "0.001", "1000000000"),
-        NUMBER("--time", "", "0.001", "1000000000"), NUMBER("--time", "1s", "0.001", "1000000000"),
+        NUMBER("--time", "0", "0.001", "1000000000"), NUMBER("--time", "", "0.001", "1000000000"),
+        NUMBER("--time", "nan", "0.001", "1000000000"),
+        NUMBER("--time", "1s", "0.001", "1000000000"),
         NUMBER("--error", "-1", "1e-9", "1000000000"),
         NUMBER("--error", "inf", "1e-9", "1000000000"),
         NUMBER("--exposure", "100.5", "-100", "100"), NUMBER("--exposure", "1,5", "-100", "100"),
@@ -261,8 +263,8 @@ static void wrong_settings(void)
           "path has no option 'maxdept', did you mean 'maxdepth'?" },
         { "tiny.pbrt --quiet --integrator path:maxdepth=-3",
           "path: 'maxdepth=-3' is not right, expected maxdepth=(a whole number from 0 to 100000)" },
-        { "tiny.pbrt --quiet --integrator path:strategy=both", "path: 'strategy=both' is not right, "
-          "expected strategy=(one of implicit explicit mis)" },
+        { "tiny.pbrt --quiet --integrator path:strategy=both", "path: 'strategy=both' is not "
+          "right, expected strategy=(one of implicit explicit mis)" },
         { "tiny.pbrt --quiet --filter=box:xradius=x",
           "box: 'xradius=x' is not right, expected xradius=(a number from 0 to 100)" },
         { "tiny.pbrt --quiet --aov normal",

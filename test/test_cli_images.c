@@ -62,8 +62,9 @@ static void info_scenes(void)
     expect_begins("room.obj", "world          2 triangles, ");
     cli_write_text("ROOM.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     expect_begins("ROOM.OBJ", "world          1 triangles, 3 vertices\n");
-    cli_write_text("object.pbrt", "WorldBegin\nObjectBegin \"a\"\nShape \"sphere\"\nShape \"disk\"\n"
-                                  "ObjectEnd\nObjectInstance \"a\"\nObjectInstance \"a\"\n");
+    cli_write_text("object.pbrt", "WorldBegin\nObjectBegin \"a\"\nShape \"sphere\"\n"
+                                  "Shape \"disk\"\nObjectEnd\nObjectInstance \"a\"\n"
+                                  "ObjectInstance \"a\"\n");
     expect_begins("object.pbrt", "world          0 triangles, 0 vertices\n"
                                  "object 1       0 triangles, 0 vertices\n"
                                  "shapes         0 meshes, 1 spheres, 1 disks, 2 instances\n");
@@ -121,8 +122,8 @@ static void compare_limit(void)
     c = cli("compare --max=1e300 bad.pfm one.pfm");          /* nothing left to compare */
     EXPECT_CLI(c, STATUS_DIFFERENT, "");
     c = cli("compare --max-pixels 143 one.pfm one.pfm");
-    EXPECT_CLI(c, STATUS_INPUT, "rushlight: one.pfm: the image has 16 x 9 pixels, at most 143 in all "
-               "were expected (--max-pixels)\n");
+    EXPECT_CLI(c, STATUS_INPUT, "rushlight: one.pfm: the image has 16 x 9 pixels, at most 143 in "
+               "all were expected (--max-pixels)\n");
     CLI_WORKS("compare --max-pixels 144 one.pfm one.pfm");
 }
 
@@ -150,8 +151,9 @@ static void compare_picture(void)
 
 /* ---- convert ---- */
 
-/* Rounding of a format: its greatest error where the largest channel of a pixel is `most`. 255 steps
- * of the sRGB curve, whose slope ends at 2.275; 8 bits under a common exponent, cut or rounded. */
+/* Rounding of a format: its greatest error where the largest channel of a pixel is `most`. 255
+ * steps of the sRGB curve, whose slope ends at 2.275; 8 bits under a common exponent, cut or
+ * rounded. */
 static float rounding(const ImageFormat *f, float most)
 {
     if (!strcmp(f->info.name, "pfm"))

@@ -1,5 +1,5 @@
-/* test_cli_output.c -- writing that fails, and renders that are interrupted: an old file stays as it
- * is until a new one is whole, nothing lies beside it, and what was rendered is not lost. */
+/* test_cli_output.c -- writing that fails, and renders that are interrupted: an old file stays as
+ * it is until a new one is whole, nothing lies beside it, and what was rendered is not lost. */
 #include "cli/args.h"
 #include "image/image.h"
 #include "test/cli_help.h"

@@ -96,7 +96,8 @@ static void crop(void)
     CLI_WORKS("tiny.pbrt --quiet --size 40x30 --crop 7,5,31,22 -o part.pfm");
     all = read_image("all.pfm");
     part = read_image("part.pfm");
-    REQUIRE(part.w == 24 && part.h == 17, "%lu x %lu", (unsigned long)part.w, (unsigned long)part.h);
+    REQUIRE(part.w == 24 && part.h == 17, "%lu x %lu", (unsigned long)part.w,
+            (unsigned long)part.h);
     for (uint32_t y = 0; y < part.h; y++)
         EXPECT(same_pixels(image_at(&part, 0, y), image_at(&all, 7, y + 5), part.w),
                "row %lu is another", (unsigned long)y);
@@ -305,7 +306,8 @@ static void strict(void)
 {
     static const struct { const char *text, *place, *says; } CASES[] = {
         { "WorldBegin\nLightSource \"infinite\"\nMaterial \"mattt\"\nShape \"sphere\"\n",
-          "w.pbrt:3:1: ", "unknown material 'mattt', did you mean 'matte'?; the neutral one is used" },
+          "w.pbrt:3:1: ",
+          "unknown material 'mattt', did you mean 'matte'?; the neutral one is used" },
         { "WorldBegin\nShape \"sphere\"\nLightSource \"point\" \"rgb I\" [ 0 0 0 ]\n", "",
           "the lights have no power: the picture is black" },
         { "Integrator \"paths\"\nWorldBegin\nShape \"sphere\"\nLightSource \"infinite\"\n",
@@ -344,9 +346,9 @@ static void default_names(void)
     REQUIRE(mkdir(cli_path("sub"), 0777) == 0, "mkdir");
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         Cli c;
-        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" "
-                 "4 %s\nSampler \"random\" \"integer pixelsamples\" 1\nCamera \"perspective\"\n"
-                 "WorldBegin\nLightSource \"infinite\"\n", CASES[i].film);
+        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 4 \"integer "
+                 "yresolution\" 4 %s\nSampler \"random\" \"integer pixelsamples\" 1\n"
+                 "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n", CASES[i].film);
         cli_write_text("sub/scene.pbrt", text);
         c = CLI_WORKS("sub/scene.pbrt --quiet");
         EXPECT(!c.err[0] && is_there(CASES[i].want), "%s: no %s", CASES[i].film, CASES[i].want);

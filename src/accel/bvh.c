@@ -6,7 +6,7 @@
  *             that one test of four lanes does for both, then where each leads. The primitives of a
  *             leaf are a run of `order`.
  * Invariants  The box of a node holds the boxes of all primitives below it: validate() checks.
- *             Depth is at most DEPTH_SAH + 32, whatever the input: below DEPTH_SAH nodes are halved.
+ *             Depth is at most DEPTH_SAH + 32, whatever the input: below that nodes are halved.
  * Departs     [Cline07] stores two child pointers; siblings need one, which leaves room for the
  *             count of a leaf. Leaves hold up to `leaf` primitives instead of one. */
 #include "accel/accel.h"
@@ -381,7 +381,7 @@ INLINE int pair_enter(const PairProbe *q, const Pair *p, float tmax, F4 *near)
     return f4_halves_cancel(*near);
 }
 
-typedef struct { Link link; float near; uint32_t unused; } Waiting;    /* 16 bytes: no multiplying */
+typedef struct { Link link; float near; uint32_t unused; } Waiting; /* 16 bytes: no multiplying */
 
 /* The nearer child first; the other waits with its entry, and is dropped when a hit lies before
  * that. `steps` is NULL in all calls but one, and then the counting costs nothing. */
@@ -550,6 +550,7 @@ static const OptDef options[] = {
 };
 
 const AccelKind accel_bvh = {
-    .info = { "bvh", "Cline07 2.2.3, 3.2.3; Wald07", "binary tree of boxes, 32 bytes a node", options },
+    .info = { "bvh", "Cline07 2.2.3, 3.2.3; Wald07", "binary tree of boxes, 32 bytes a node",
+              options },
     .build = build, .nearest = nearest, .blocked = blocked, .validate = validate, .free = drop
 };

@@ -249,7 +249,7 @@ double md_cos(double x)
 
 /* ---- arc tangent and its kin ---- */
 
-/* The angle whose tangent is y/x, in [0, pi/2], for y, x >= 0, not nan; 0 if both are 0. The smaller
+/* The angle whose tangent is y/x, in [0, pi/2], for y, x >= 0, not nan; 0 if both are. The smaller
  * one goes above, and tan(a - pi/4) = (y - x) / (y + x) serves above pi/8. No branch but for the
  * ends, because directions cannot be foretold. */
 static double angle(double y, double x)

@@ -176,8 +176,8 @@ bool opts_parse(Opts *o, const char *what, const char *text, Arena *arena)
         i = index_of(o->defs, text, k);
         if (i < 0) {
             const char *near = nearest_key(o->defs, key);
-            return err_usage("%s has no option '%s'%s%s%s", what, key, near ? ", did you mean '" : "",
-                             near ? near : "", near ? "'?" : "");
+            return err_usage("%s has no option '%s'%s%s%s", what, key,
+                             near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
         }
         if (k == n && o->defs[i].type == OPT_BOOL)      /* a bare word switches on */
             o->value[i].num = 1;
@@ -185,8 +185,9 @@ bool opts_parse(Opts *o, const char *what, const char *text, Arena *arena)
                                           arena)) {
             if (err_status() != STATUS_OK)
                 return false;
-            return err_usage("%s: '%.*s' is not right, expected %s=(%s)", what, (int)(n < 80 ? n : 80),
-                             text, key, expected(&o->defs[i], buf, sizeof buf));
+            return err_usage("%s: '%.*s' is not right, expected %s=(%s)", what,
+                             (int)(n < 80 ? n : 80), text, key,
+                             expected(&o->defs[i], buf, sizeof buf));
         }
         o->value[i].given = true;
         text += n;

@@ -7,7 +7,7 @@
 
 typedef struct { float x, y; } V2;
 typedef struct { float x, y, z FOURTH_FLOAT; } V3;
-typedef struct { float r, g, b FOURTH_FLOAT; } Rgb;                  /* linear, Rec. 709 primaries */
+typedef struct { float r, g, b FOURTH_FLOAT; } Rgb;     /* linear, Rec. 709 primaries */
 
 INLINE V3 v3(float x, float y, float z) { return (V3){ x, y, z }; }
 INLINE V3 v_all(float s) { return (V3){ s, s, s }; }
@@ -75,7 +75,10 @@ INLINE Box box_empty(void)
 }
 INLINE Box box_point(Box b, V3 p) { return (Box){ v_min(b.lo, p), v_max(b.hi, p) }; }
 INLINE Box box_join(Box a, Box b) { return (Box){ v_min(a.lo, b.lo), v_max(a.hi, b.hi) }; }
-INLINE bool box_is_empty(Box b) { return !(b.lo.x <= b.hi.x && b.lo.y <= b.hi.y && b.lo.z <= b.hi.z); }
+INLINE bool box_is_empty(Box b)
+{
+    return !(b.lo.x <= b.hi.x && b.lo.y <= b.hi.y && b.lo.z <= b.hi.z);
+}
 INLINE V3 box_centre(Box b)             /* halved first: the sum of two large floats overflows */
 {
     return v_add(v_scale(b.lo, 0.5f), v_scale(b.hi, 0.5f));
@@ -108,6 +111,9 @@ INLINE V3 frame_out(const Frame *f, V3 v)               /* local to world */
                  v.x * f->s.y + v.y * f->t.y + v.z * f->n.y,
                  v.x * f->s.z + v.y * f->t.z + v.z * f->n.z };
 }
-INLINE V3 frame_in(const Frame *f, V3 v) { return (V3){ v_dot(v, f->s), v_dot(v, f->t), v_dot(v, f->n) }; }
+INLINE V3 frame_in(const Frame *f, V3 v)
+{
+    return (V3){ v_dot(v, f->s), v_dot(v, f->t), v_dot(v, f->n) };
+}
 
 #endif

@@ -22,6 +22,6 @@ typedef struct {
 uint64_t work_run(const Work *w, int threads);
 
 int  processors(void);                                      /* online now; at least 1 */
-void work_fail_at(unsigned long k);     /* tests: the k-th thread creation from now fails; 0: none */
+void work_fail_at(unsigned long k);     /* tests: thread creation k from now fails; 0: none */
 
 #endif

@@ -42,7 +42,8 @@ bool args_parse(const Command *c, int argc, char **argv,
         }
         if (word[1] != '-')                     /* -oFILE is not taken; -o FILE is */
             n = strlen(word);
-        while (c->args[k].name && (strlen(c->args[k].name) != n || memcmp(c->args[k].name, word, n)))
+        while (c->args[k].name &&
+               (strlen(c->args[k].name) != n || memcmp(c->args[k].name, word, n)))
             k++;
         if (!c->args[k].name)
             return unknown(c, word, n);
@@ -74,7 +75,8 @@ bool arg_number(const char *name, const char *value, double lo, double hi, doubl
 {
     const char *end = value + strlen(value);
     char a[NUMBER_MAX], b[NUMBER_MAX];
-    if (number_double(value, end, v) == (size_t)(end - value) && end > value && *v >= lo && *v <= hi)
+    if (number_double(value, end, v) == (size_t)(end - value) && end > value && *v >= lo &&
+        *v <= hi)
         return true;
     number_print_double(a, lo);
     number_print_double(b, hi);

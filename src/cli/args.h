@@ -1,4 +1,4 @@
-/* args.h -- options of a command: one table, read in any order, `--name value` or `--name=value`. */
+/* args.h -- options of a command: a table, read in any order, `--name value` or `--name=value`. */
 #ifndef CLI_ARGS_H
 #define CLI_ARGS_H
 

@@ -38,8 +38,8 @@ static const Command *command_for(const char *word, bool *is_file)
     for (; commands[n] && n < 16; n++)
         names[n] = commands[n]->name;
     near = nearest_name(word, names, n);
-    err_usage("unknown command '%s'%s%s%s; see rushlight help", word, near ? ", did you mean '" : "",
-              near ? near : "", near ? "'?" : "");
+    err_usage("unknown command '%s'%s%s%s; see rushlight help", word,
+              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
     return NULL;
 }
 

@@ -51,7 +51,9 @@ static bool set(void *ctx, int k, const char *value)
 static const ArgDef args[] = { { NULL, NULL, NULL } };
 static int run(int argc, char **argv);
 
-const Command command_help = { "help", "[COMMAND]", "this page, or a command's options", args, run };
+const Command command_help = {
+    "help", "[COMMAND]", "this page, or a command's options", args, run
+};
 
 static int run(int argc, char **argv)
 {

@@ -23,7 +23,8 @@ void geometry_clear(Geometry *g)
 
 static bool too_many(void)
 {
-    return err_at((Place){ NULL, 0, 0 }, "too many primitives or vertices: at most %lu are possible",
+    return err_at((Place){ NULL, 0, 0 },
+                  "too many primitives or vertices: at most %lu are possible",
                   (unsigned long)UINT32_MAX - 1);
 }
 

@@ -36,7 +36,8 @@ Box sphere_box(const Sphere *s)
 
 static bool kept(const Sphere *s, const Ray *r, double t)
 {
-    V3 p = v3((float)(r->o.x + t * r->d.x - s->centre.x), (float)(r->o.y + t * r->d.y - s->centre.y),
+    V3 p = v3((float)(r->o.x + t * r->d.x - s->centre.x),
+              (float)(r->o.y + t * r->d.y - s->centre.y),
               (float)(r->o.z + t * r->d.z - s->centre.z));
     V3 q = frame_in(&s->frame, p);
     float phi;

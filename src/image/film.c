@@ -161,7 +161,8 @@ void film_picture(const Film *f, int layer, Image *im)
 
     for (size_t i = 0; i < n; i++, s += 3) {
         double count = f->counts[i] ? f->counts[i] : 1;
-        im->pixels[i] = rgb((float)(exact_value(&s[0]) / count), (float)(exact_value(&s[1]) / count),
+        im->pixels[i] = rgb((float)(exact_value(&s[0]) / count),
+                            (float)(exact_value(&s[1]) / count),
                             (float)(exact_value(&s[2]) / count));
     }
 }

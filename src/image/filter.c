@@ -1,4 +1,4 @@
-/* filter.c -- the pixel filters. See filter.h. Both are non-negative, so all samples weigh alike. */
+/* filter.c -- the pixel filters. See filter.h. None is negative, so all samples weigh alike. */
 #include "image/filter.h"
 
 #include "sampling/warp.h"

@@ -94,8 +94,8 @@ static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const 
                   ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)) : 0.0f;
 
     l = it->lights->kind->pick(it->lights, s->p, s->ns, u, &pmf, &left);
-    if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->depth)),
-                               &ls))
+    if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler,
+                                                  DECISION(DECIDE_LIGHT_POINT, e->depth)), &ls))
         return black;
     wi = frame_in(frame, ls.wi);
     if (!(v_dot(ls.wi, s->ng) * wi.z > 0.0f))

@@ -206,8 +206,8 @@ static bool warn_if_dark(const Scene *s, const RenderSettings *settings)
         sum += rgb_lum(s->lights[i]->kind->power(s->lights[i]));
     if (sum > 0.0f)
         return true;
-    return warn_at((Place){ NULL, 0, 0 }, s->nlights ? "the lights have no power: the picture is black"
-                                                     : "there is no light: the picture is black");
+    return warn_at((Place){ NULL, 0, 0 }, "%s: the picture is black",
+                   s->nlights ? "the lights have no power" : "there is no light");
 }
 
 static bool report_refused(const Film *f)

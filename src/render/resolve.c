@@ -163,7 +163,8 @@ static bool resolve_spp(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 static bool resolve_seed(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 {
     const Param *p = params_find(&f->sampler.params, "seed", NULL);
-    s->seed = q->seed_given ? q->seed : p && p->kind == PARAM_INT && p->n ? (uint64_t)p->numbers[0] : 0;
+    s->seed = q->seed_given ? q->seed
+              : p && p->kind == PARAM_INT && p->n ? (uint64_t)p->numbers[0] : 0;
     return true;
 }
 

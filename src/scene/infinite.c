@@ -81,7 +81,8 @@ static bool prepare_picture(Infinite *l)
             all += sine;
         }
     }
-    l->mean = rgb_mul(l->L, rgb((float)(sum[0] / all), (float)(sum[1] / all), (float)(sum[2] / all)));
+    l->mean = rgb_mul(l->L, rgb((float)(sum[0] / all), (float)(sum[1] / all),
+                                (float)(sum[2] / all)));
     ok = table2_init(&l->table, weight, im->w, im->h);
     mem_free(weight);
     return ok;
