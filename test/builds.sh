@@ -38,7 +38,7 @@ copy() {
     trap 'exit 1' INT TERM
     cp -R Makefile README.md src scenes "$dir" || exit 1
     if test "$1" = all; then
-        cp -R test "$dir"
+        cp -R .ci bench test "$dir"
     else
         mkdir "$dir/test"
         cp test/*.h test/cli_help.c test/test_bytes.c "$dir/test"

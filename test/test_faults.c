@@ -360,6 +360,26 @@ static void threads(void)
     thread_faults(&s);
 }
 
+/* cli_run may be called again and again: what one line asks for is forgotten by the next. */
+static void lines_after_lines(void)
+{
+    Run r;
+
+    set_up();
+    cli_write_text("dark.pbrt", "Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n"
+                   "LightSource \"point\" \"rgb I\" [ 0 0 0 ]\n");
+    run_line(&r, "tiny.pbrt --quiet --size 1000x1000 --max-memory 8 -o a.ppm");
+    EXPECT(r.status == STATUS_OUTPUT, "--max-memory: %d: %s", r.status, r.err);
+    run_line(&r, "tiny.pbrt --quiet --size 1000x1000 --spp 1 -o a.ppm");
+    EXPECT(r.status == 0 && !r.err[0], "no limit: %d: %s", r.status, r.err);
+    run_line(&r, "dark.pbrt --quiet --strict --size 4x4 --spp 1 -o a.ppm");
+    EXPECT(r.status == STATUS_INPUT, "--strict: %d: %s", r.status, r.err);
+    run_line(&r, "dark.pbrt --size 4x4 --spp 1 -o a.ppm");
+    EXPECT(r.status == 0 && cli_lines(r.err) == 3 && strstr(r.err, "warning: "), "a warning, and "
+           "not quiet: %d: %s", r.status, r.err);
+    EXPECT(mem_blocks() == 0, "%ld blocks are left", mem_blocks());
+}
+
 const TestCase test_faults[] = {
     { "memory_render", memory_render, false },
     { "memory_others", memory_others, false },
@@ -367,5 +387,6 @@ const TestCase test_faults[] = {
     { "files_render", files_render, false },
     { "files_others", files_others, false },
     { "threads", threads, false },
+    { "lines_after_lines", lines_after_lines, false },
     { NULL, NULL, false }
 };
