@@ -117,8 +117,8 @@ static void by_scene(const char *file, const char *format)
     cli_write_text("s.pbrt", text);
     c = cli("s.pbrt --quiet --size 8x8 --spp 1 -o x.pfm");
     expect_end(&c, "a scene with", file, "x.pfm");
-    EXPECT(c.status == 0 || strstr(c.err, file) || strstr(c.err, "s.pbrt:"), "%s: it says: %s", file,
-           c.err);
+    EXPECT(c.status == 0 || strstr(c.err, file) || strstr(c.err, "s.pbrt:"), "%s: it says: %s",
+           file, c.err);
 }
 
 static void named_by_scenes(void)
@@ -132,8 +132,8 @@ static void named_by_scenes(void)
             by_scene(files[i], "Shape \"obj\" \"string filename\" \"%s\"\n");
         else {
             by_scene(files[i], "LightSource \"infinite\" \"string filename\" \"%s\"\n");
-            by_scene(files[i], "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\"\n"
-                               "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
+            by_scene(files[i], "Texture \"t\" \"spectrum\" \"imagemap\" "
+                               "\"string filename\" \"%s\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n"
                                "Shape \"sphere\"\n");
         }
     }
