@@ -359,6 +359,21 @@ static void measure_run(Lab *l, const Gauge *g, Tracer *t, uint32_t n, Gathered 
     }
 }
 
+/* The parts by length, and those by strategy, add up to the whole but for roundings of the sums. */
+static void expect_parts(const Meter *m)
+{
+    for (int c = 0; c < 3; c++) {
+        double whole = m->value[0][c].mean, lengths = 0, strategies = 0;
+        for (int k = 0; k < TALLY_LENGTHS; k++)
+            lengths += meter_length(m, k)[c].mean;
+        for (int k = 0; k < STRATEGIES; k++)
+            strategies += meter_strategy(m, (Strategy)k)[c].mean;
+        EXPECT(fabs(lengths - whole) <= FLOATS * whole &&
+                   fabs(strategies - whole) <= FLOATS * whole,
+               "radiance %.9g, by lengths %.9g, by strategies %.9g", whole, lengths, strategies);
+    }
+}
+
 void lab_measure(Lab *l, const Gauge *g, Meter *m)
 {
     uint64_t n = test_is_long() ? 16 * g->n : g->n;
@@ -381,6 +396,7 @@ void lab_measure(Lab *l, const Gauge *g, Meter *m)
         measure_run(l, g, &t, each, &sum);
         meter_add(m, &sum, each);
     }
+    expect_parts(m);
 }
 
 Ray ray_fixed(const void *of, Sampler *s)

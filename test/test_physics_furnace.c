@@ -130,32 +130,58 @@ static void blob(void)
     lab_clear(&l);
 }
 
-/* In a sphere every way is without variance: cos cos / d^2 is the same for all pairs of points. The
- * second one is so far from the origin that a point on it may be rounded to either side. */
+/* In a sphere every way is without variance: cos cos / d^2 is the same for all pairs of points. */
+static const Way sphere_ways[] = {
+    { "strategy=implicit,roulette=100", 8, 1 << 14, 1e-5, 1e-5 },
+    { "strategy=explicit,roulette=100", 8, 1 << 14, 1e-4, 1e-4 },
+    { "strategy=mis,roulette=100", 8, 1 << 14, 1e-4, 1e-4 },
+    { "strategy=mis,heuristic=balance,lightsampler=uniform,roulette=100", 8, 1 << 14, 1e-4, 1e-4 },
+};
+enum { SPHERE_WAYS = sizeof sphere_ways / sizeof *sphere_ways };
+
 static void sphere(void)
 {
-    static const Way exact[] = {
-        { "strategy=implicit,roulette=100", 8, 1 << 14, 1e-5, 1e-5 },
-        { "strategy=explicit,roulette=100", 8, 1 << 14, 5e-4, 5e-4 },
-        { "strategy=mis,roulette=100", 8, 1 << 14, 5e-4, 5e-4 },
-        { "strategy=mis,heuristic=balance,lightsampler=uniform,roulette=100", 8, 1 << 14, 5e-4,
-          5e-4 },
-    };
+    Lab l;
+    furnace_sphere(&l, v3(0, 0, 0), 1);
+    run_ways(&l, v3(0.2f, 0.1f, 0.3f), sphere_ways, SPHERE_WAYS, "sphere");
+    lab_clear(&l);
+}
+
+/* So far from the origin that a point of the sphere may be rounded to either side of it. There
+ * coordinates come in steps of e = 3e-5 radii, so that the cosine between two points closer than
+ * sqrt(2 e) is noise; those are a share e / 2 of all pairs, twice that with both points rounded. */
+static void sphere_far(void)
+{
+    V3 eye = { 300.25f, -200, 100.25f };
+    Gauge g = { ray_anywhere, NULL, 1 << 14, 15, 0 };
+    char text[200];
     Lab l;
 
-    furnace_sphere(&l, v3(0, 0, 0), 1);
-    run_ways(&l, v3(0.2f, 0.1f, 0.3f), exact, 4, "sphere");
-    lab_clear(&l);
+    g.of = &eye;
     furnace_sphere(&l, v3(300, -200, 100), 1);
-    run_ways(&l, v3(300.25f, -200, 100.25f), exact, 4, "sphere far from the origin");
+    for (int i = 0; i < SPHERE_WAYS; i++) {
+        Meter m;
+        snprintf(text, sizeof text, "%s,maxdepth=8", sphere_ways[i].options);
+        lab_open(&l, text);
+        lab_measure(&l, &g, &m);
+        for (int n = 0; n <= 8; n++)
+            for (int c = 0; c < 3; c++) {
+                const Stat *s = &meter_length(&m, n + 1)[c];
+                double truth = LE[c];
+                for (int k = 0; k < n; k++)
+                    truth *= RHO[c];
+                EXPECT(fabs(s->mean / truth - 1) <= 5.6 * stat_error(s) / truth + (n + 1) * 3e-5,
+                       "%s, bounce %d, channel %d: %.9g, it is %.9g", text, n, c, s->mean, truth);
+            }
+    }
     lab_clear(&l);
 }
 
 /* One bounce from the middle of a wall, with power to find a bias of 0.05 %. */
-static void one_bounce(const char *options, const double delta[3])
+static void one_bounce(const char *options, uint64_t n, const double delta[3])
 {
     Ray r = ray_towards(v3(0.1f, 0.05f, 0), v3(0.5f, 0.1f, 0.2f));
-    Gauge g = { ray_fixed, NULL, 3000000, 12, 0 };
+    Gauge g = { ray_fixed, NULL, n, 12, 0 };
     Meter m;
     Lab l;
 
@@ -170,21 +196,21 @@ static void one_bounce(const char *options, const double delta[3])
 
 static void cube_power(void)
 {
-    static const double delta[3] = { 0.0002, 0.0005, 0.0008 };
-    one_bounce("strategy=mis,heuristic=power,maxdepth=1,roulette=100", delta);
+    static const double delta[3] = { 0.0001, 0.0004, 0.0005 };
+    one_bounce("strategy=mis,heuristic=power,maxdepth=1,roulette=100", 8000000, delta);
 }
 
 static void cube_balance(void)
 {
-    static const double delta[3] = { 0.0002, 0.0005, 0.0008 };
+    static const double delta[3] = { 0.0001, 0.0004, 0.0005 };
     one_bounce("strategy=mis,heuristic=balance,lightsampler=uniform,maxdepth=1,roulette=100",
-               delta);
+               8000000, delta);
 }
 
 static void cube_explicit(void)
 {
     static const double delta[3] = { 0.0008, 0.003, 0.005 };
-    one_bounce("strategy=explicit,maxdepth=1,roulette=100", delta);
+    one_bounce("strategy=explicit,maxdepth=1,roulette=100", 3000000, delta);
 }
 
 /* All bounces, ended by roulette from the first one on. */
@@ -332,6 +358,7 @@ const TestCase test_physics_furnace[] = {
     { "bounces_room", room, false },
     { "bounces_blob", blob, false },
     { "bounces_sphere", sphere, false },
+    { "bounces_sphere_far", sphere_far, false },
     { "cube_power", cube_power, false },
     { "cube_balance", cube_balance, false },
     { "cube_explicit", cube_explicit, false },
