@@ -8,6 +8,24 @@
 #include "geometry/generate.h"
 #include "test/test.h"
 
+/* ---- vectors in double, for what must be right ---- */
+
+typedef struct { double x, y, z; } D3;
+INLINE D3 d3(V3 v) { return (D3){ v.x, v.y, v.z }; }
+INLINE D3 d3_sub(D3 a, D3 b) { return (D3){ a.x - b.x, a.y - b.y, a.z - b.z }; }
+INLINE double d3_dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+INLINE D3 d3_cross(D3 a, D3 b)
+{
+    return (D3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+/* |a| . b: how far errors b of the coordinates reach along a. */
+INLINE double d3_reach(D3 a, D3 b) { return fabs(a.x) * b.x + fabs(a.y) * b.y + fabs(a.z) * b.z; }
+
+/* Where a unit shape is put: the size it gets, and its place. */
+typedef struct { double scale; V3 offset; } Where;
+enum { PLACES_SANE = 7 };
+extern const Where places_sane[PLACES_SANE];    /* all leave a shape two digits or more */
+
 /* ---- accelerators ---- */
 
 typedef struct {

@@ -4,6 +4,11 @@
 
 #include <string.h>
 
+const Where places_sane[PLACES_SANE] = {
+    { 1, { 0, 0, 0 } }, { 1e-6, { 0, 0, 0 } }, { 1e6, { 0, 0, 0 } }, { 1, { 10, -20, 30 } },
+    { 1, { 148376, 1234, -223423 } }, { 1e3, { 1e6f, 0, -1e6f } }, { 1e-3, { 0, 5, 0.1f } }
+};
+
 void mesh_of(Mesh *m, uint32_t nverts, uint32_t ntris)
 {
     memset(m, 0, sizeof *m);

@@ -182,7 +182,7 @@ static void wild(void) { shoot_zoo(zoo_wild, 16000); }
  * second offset, where Embree loses rays. */
 static void shoot_placed(int first, int end)
 {
-    static const struct { double scale; V3 offset; } place[6] = {
+    static const Where place[6] = {
         { 1e-6, { 0, 0, 0 } }, { 1e6, { 0, 0, 0 } }, { 1, { 148376, 1234, -223423 } },
         { 1, { 1e6f, -1e6f, 1e6f } }, { 1e-6, { 1, -2, 3 } }, { 1e3, { -1e6f, 1e6f, 0 } }
     };

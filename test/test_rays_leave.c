@@ -17,8 +17,6 @@
 
 /* ---- shapes ---- */
 
-typedef struct { double scale; V3 offset; } Where;
-
 typedef struct {
     const char *name;
     void (*make)(Scene *s, const Where *at);
@@ -155,15 +153,6 @@ static const Body bodies[BODIES] = {
 
 /* ---- the truth, in double ---- */
 
-typedef struct { double x, y, z; } D3;
-static D3 d3(V3 v) { return (D3){ v.x, v.y, v.z }; }
-static D3 d3_sub(D3 a, D3 b) { return (D3){ a.x - b.x, a.y - b.y, a.z - b.z }; }
-static double d3_dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static D3 d3_cross(D3 a, D3 b)
-{
-    return (D3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
 static D3 mapped(const Affine *a, D3 p, double w)
 {
     const float (*m)[4] = a->m;
@@ -237,11 +226,11 @@ static bool inside(const Scene *s, const Hit *h, D3 o, V3 err)
         e = spread(&top->as.instance.to_object, e);
     for (uint32_t i = 0; i < geometry_prims(g); i++) {
         double least = 0;
-        if (i != h->prim) {                     /* |n| . e, n linear in the direction */
+        if (i != h->prim) {                     /* along is linear in the direction */
             D3 x = { 1, 0, 0 }, y = { 0, 1, 0 }, z = { 0, 0, 1 };
-            least = fabs(stand_on(g, i, o, x).along) * e.x +
-                    fabs(stand_on(g, i, o, y).along) * e.y +
-                    fabs(stand_on(g, i, o, z).along) * e.z;
+            D3 n = { stand_on(g, i, o, x).along, stand_on(g, i, o, y).along,
+                     stand_on(g, i, o, z).along };
+            least = d3_reach(n, e);
         }
         if (!(stand_on(g, i, o, none).height < -least))
             return false;

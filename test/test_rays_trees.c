@@ -1,0 +1,247 @@
+/* test_rays_trees.c -- the structures themselves: their checks pass on every mesh and notice every
+ * change made behind their back; building ends, in bounded depth and time, whatever the input; rays
+ * that are no rays do no harm; a failed build leaves nothing behind. */
+#include "test/ray_help.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { DEPTH_MOST = 80 };       /* the stacks of queries are sized by it */
+
+static void check_tree(const Setting *s, const Accel *a, const char *what)
+{
+    char why[120] = "";
+    EXPECT(a->kind->validate(a, why, sizeof why), "%s, %s: %s", s->name, what, why);
+    EXPECT(a->depth >= 0 && a->depth <= DEPTH_MOST, "%s, %s: depth %d", s->name, what, a->depth);
+    EXPECT(a->leaves <= geometry_prims(a->geo) + (size_t)1, "%s, %s: %lu leaves of %lu primitives",
+           s->name, what, (unsigned long)a->leaves, (unsigned long)geometry_prims(a->geo));
+}
+
+static void build_all(Mesh *m, const char *what)
+{
+    Geometry g;
+    geometry_of(&g, m);
+    for (const Setting *s = settings_all(); s->kind; s++) {
+        Accel *a = setting_build(s, &g);
+        check_tree(s, a, what);
+        accel_free(a);
+    }
+    geometry_clear(&g);
+}
+
+static void large(void)
+{
+    Mesh m = { 0 };
+    REQUIRE(mesh_bumpy(&m, 24, 5), "memory");
+    build_all(&m, "bumpy sphere");
+    REQUIRE(mesh_soup(&m, 20000, 0.1f, 5), "memory");
+    build_all(&m, "soup");
+    REQUIRE(mesh_grid(&m, 100, 100), "memory");
+    build_all(&m, "grid");
+}
+
+/* ---- input made to be hard ---- */
+
+/* Triangle i of n as small as 1 at place(i, n) on a line along (1, 1, 1). */
+static void line_up(Mesh *m, uint32_t n, float (*place)(uint32_t i, uint32_t n))
+{
+    mesh_of(m, 3 * n, n);
+    for (uint32_t i = 0; i < n; i++) {
+        float x = place(i, n);
+        m->p[3 * i] = v3(x, x, x);
+        m->p[3 * i + 1] = v3(x + 0.5f, x, x);
+        m->p[3 * i + 2] = v3(x, x + 0.5f, x);
+        m->tri[i] = (Tri){ { 3 * i, 3 * i + 1, 3 * i + 2 } };
+    }
+}
+
+static float same(uint32_t i, uint32_t n) { (void)i; (void)n; return 1.0f; }
+static float rising(uint32_t i, uint32_t n) { (void)n; return (float)i; }
+static float falling(uint32_t i, uint32_t n) { return (float)(n - i); }
+static float up_and_down(uint32_t i, uint32_t n) { return (float)(i < n / 2 ? i : n - i); }
+static float down_and_up(uint32_t i, uint32_t n) { return (float)(i < n / 2 ? n - i : i); }
+static float two_rows(uint32_t i, uint32_t n) { return (float)(i % (n / 2)); }
+static float many_rows(uint32_t i, uint32_t n) { (void)n; return (float)(i % 300); }
+static float even_then_odd(uint32_t i, uint32_t n)
+{
+    return (float)(i < n / 2 ? 2 * i : 2 * (i - n / 2) + 1);
+}
+static float far_apart(uint32_t i, uint32_t n)  /* each twice as far as the last, around 0 */
+{
+    float x = 1.0f;
+    (void)n;
+    for (uint32_t k = 0; k < i % 100; k++)
+        x *= 2.0f;
+    return i / 100 % 2 ? x : -x;
+}
+
+/* A selection by pivots takes quadratic time on one or the other of these: at 1e5, minutes. */
+static void orders(void)
+{
+    static const struct { const char *name; float (*place)(uint32_t i, uint32_t n); } order[] = {
+        { "same", same }, { "rising", rising }, { "falling", falling },
+        { "up and down", up_and_down }, { "down and up", down_and_up }, { "two rows", two_rows },
+        { "many rows", many_rows }, { "even then odd", even_then_odd }, { "far apart", far_apart }
+    };
+    Mesh m;
+
+    for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
+        line_up(&m, test_is_long() ? 1000000 : 10000, order[k].place);
+        build_all(&m, order[k].name);
+    }
+}
+
+/* Boxes within boxes, sizes 2^-100 to 2^100: a heuristic would split off one at a time. */
+static void nested(void)
+{
+    float x = 0x1p-100f;
+    Mesh m;
+
+    mesh_of(&m, 3 * 201, 201);
+    for (uint32_t i = 0; i < 201; i++, x *= 2.0f) {
+        m.p[3 * i] = v3(x, x, x);
+        m.p[3 * i + 1] = v3(2.0f * x, x, x);
+        m.p[3 * i + 2] = v3(x, 2.0f * x, 2.0f * x);
+        m.tri[i] = (Tri){ { 3 * i, 3 * i + 1, 3 * i + 2 } };
+    }
+    build_all(&m, "nested");
+}
+
+static void equal_boxes(void)
+{
+    Mesh m;
+    line_up(&m, 100000, same);
+    build_all(&m, "equal boxes");
+}
+
+/* ---- checks that can fail ---- */
+
+static void expect_noticed(const Setting *s, const Accel *a, const char *what)
+{
+    char why[120] = "";
+    EXPECT(!a->kind->validate(a, why, sizeof why), "%s did not notice: %s", s->name, what);
+    EXPECT(why[0] && !strchr(why, '\n'), "%s gave no reason: %s", s->name, what);
+}
+
+/* Changes the geometry under a finished structure, and back. */
+static void corrupt(const Setting *s, Geometry *g, Rng *rng)
+{
+    Accel *a = setting_build(s, g);
+    uint32_t v = rng_below(rng, (uint32_t)g->nverts);
+    V3 was = g->p[v];
+
+    g->p[v] = v_mad(rng_direction(rng), 5.0f, was);     /* a unit mesh: out of every box */
+    expect_noticed(s, a, "a vertex moved");
+    g->p[v] = was;
+    g->ntris--;
+    expect_noticed(s, a, "a triangle gone");
+    g->ntris++;
+    check_tree(s, a, "as it was");
+    accel_free(a);
+    g->ntris--;
+    a = setting_build(s, g);
+    g->ntris++;
+    expect_noticed(s, a, "a triangle more");
+    accel_free(a);
+}
+
+static void noticed(void)
+{
+    Rng rng = rng_seed(41);
+    Geometry g;
+    Mesh m = { 0 };
+
+    REQUIRE(mesh_icosphere(&m, 3), "memory");
+    geometry_of(&g, &m);
+    for (const Setting *s = settings_all(); s->kind; s++)
+        for (int i = 0; i < 50; i++)
+            corrupt(s, &g, &rng);
+    geometry_clear(&g);
+}
+
+/* ---- rays that are none ---- */
+
+static float odd_number(Rng *rng)
+{
+    static const float odd[10] = { NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 0x1p-149f, 3.4e38f,
+                                   -3.4e38f, 1.0f, 0.5f };
+    return odd[rng_below(rng, 10)];
+}
+
+/* Nothing is promised of the answer, but there is one, and the bounds of steps hold. */
+static void garbage_ray(const Accel *a, Rng *rng, const char *what)
+{
+    Ray r;
+    Steps near = { 0, 0 }, any = { 0, 0 };
+    Hit h;
+    bool is;
+
+    r.o = v3(odd_number(rng), odd_number(rng), odd_number(rng));
+    r.d = v3(odd_number(rng), odd_number(rng), odd_number(rng));
+    r.tmax = odd_number(rng);
+    is = a->kind->nearest(a, &r, &h, &near);
+    a->kind->blocked(a, &r, &any);
+    EXPECT(!is || (h.prim < geometry_prims(a->geo) && h.t > 0.0f && !(h.t > r.tmax)),
+           "%s: hit of %lu at %a for %s", what, (unsigned long)h.prim, (double)h.t, ray_text(&r));
+    EXPECT(near.nodes <= a->nodes && any.nodes <= a->nodes &&
+           near.prims <= geometry_prims(a->geo) && any.prims <= geometry_prims(a->geo),
+           "%s: too many steps for %s", what, ray_text(&r));
+}
+
+static void garbage(void)
+{
+    Rng rng = rng_seed(42);
+
+    for (const ZooMesh *z = zoo_wild; z->name; z++) {
+        Geometry g;
+        Mesh m;
+        z->make(&m);
+        geometry_of(&g, &m);
+        for (const Setting *s = settings_all(); s->kind; s++) {
+            Accel *a = setting_build(s, &g);
+            for (int i = 0; i < 1000; i++)
+                garbage_ray(a, &rng, s->name);
+            accel_free(a);
+        }
+        geometry_clear(&g);
+    }
+}
+
+/* ---- memory ---- */
+
+static void out_of_memory(void)
+{
+    Geometry g;
+    Mesh m = { 0 };
+
+    REQUIRE(mesh_icosphere(&m, 8), "memory");
+    geometry_of(&g, &m);
+    for (const Setting *s = settings_usual(); s->kind; s++) {
+        long before = mem_blocks();
+        unsigned long k = 1;
+        Accel *a;
+        for (;; k++) {
+            mem_fail_at(k, k % 2);
+            a = s->kind->build(&g, &s->opts, 1);
+            mem_fail_at(0, false);
+            if (a)
+                break;
+            EXPECT(mem_blocks() == before, "%s: blocks left after failure %lu", s->name, k);
+            REQUIRE(k < 1000, "%s: never succeeds", s->name);
+        }
+        a->kind = s->kind;
+        EXPECT(k > 1, "%s: no memory was asked for", s->name);
+        EXPECT(a->bytes <= mem_bytes(), "%s: says %lu bytes", s->name, (unsigned long)a->bytes);
+        check_tree(s, a, "after failures");
+        accel_free(a);
+        EXPECT(mem_blocks() == before, "%s: blocks left in the end", s->name);
+    }
+    geometry_clear(&g);
+}
+
+const TestCase test_rays_trees[] = {
+    { "large", large, false }, { "orders", orders, false }, { "nested", nested, false },
+    { "equal_boxes", equal_boxes, false }, { "noticed", noticed, false },
+    { "garbage", garbage, false }, { "out_of_memory", out_of_memory, false },
+    { NULL, NULL, false }
+};
