@@ -133,7 +133,8 @@ static void named_by_scenes(void)
         else {
             by_scene(files[i], "LightSource \"infinite\" \"string filename\" \"%s\"\n");
             by_scene(files[i], "Texture \"t\" \"spectrum\" \"imagemap\" "
-                               "\"string filename\" \"%s\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n"
+                               "\"string filename\" \"%s\"\n"
+                               "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
                                "Shape \"sphere\"\n");
         }
     }

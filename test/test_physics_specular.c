@@ -7,7 +7,7 @@
  * cannot be seen: what refraction concentrates on entering, (n2/n1)^2, it spreads on leaving, and
  * Fresnel's reflectance and transmittance add up to 1. Reflection and transmission are chosen by
  * their shares, so not only the mean but every single sample is L, however often light is reflected
- * within. Excepted is a point so near to an edge, half a step of floats or 3e-8 of the size, that it
+ * within. Excepted is a point so near to an edge, half a float step or 3e-8 of the size, that it
  * is rounded into the plane of the next face: its ray may slip out there. */
 #include "geometry/generate.h"
 #include "sampling/warp.h"

@@ -248,7 +248,7 @@ static void fine(void) { fast(bodies + FINE, bodies + BODIES, 5000); }
 static void brute_force(void) { shoot_bodies(setting_brute(), small, small + SMALL, 4000); }
 
 /* From outside, from as far as 1e5 radii: the ray must stop at the front of a ball that it is aimed
- * at. Boxes, small as they are, must let pass what a direction in float can wander on the way. Where
+ * at. Boxes, small as they are, must let pass what a float direction can wander on the way. Where
  * the ball's radius makes a cosine of 0.3 with the ray, faces make one of 0.2 at least. */
 static void shoot_ball(const Setting *s, const Where *p, uint32_t rays, Tally *t)
 {
@@ -316,7 +316,7 @@ static void close_by(void)
             }
 }
 
-/* The eye in the plane of a wall, to rounding: the L-shaped room's two inner walls, y = 1 and x = 1,
+/* The eye in the plane of a wall, to rounding: the L room's two inner walls, y = 1 and x = 1,
  * are triangles 4 to 7 and seen edge-on from everywhere in those planes. In the room as it stands
  * the way from the eye to a wall is exact; turned, rounding makes of the wall what it likes. */
 static void shoot_edge_on(const Setting *s, const Transform *turn, uint64_t seed, uint32_t rays,
