@@ -85,9 +85,10 @@ headers() {
     for cc in gcc clang; do
         command -v $cc > /dev/null || continue
         for h in src/*/*.h; do
+            printf '#include "%s"\ntypedef int Something;\n' "${h#src/}" > alone.c
             $cc -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes \
-                -Werror -Wno-unused-function -D_POSIX_C_SOURCE=200809L -Isrc -fsyntax-only -x c \
-                -include "$h" /dev/null || { echo "$h does not compile alone ($cc)"; exit 1; }
+                -Werror -Wno-unused-function -D_POSIX_C_SOURCE=200809L -Isrc -fsyntax-only \
+                alone.c || { echo "$h does not compile alone ($cc)"; exit 1; }
         done
     done
 }
