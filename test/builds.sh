@@ -49,8 +49,8 @@ copy() {
     cd "$dir" || exit 1
 }
 
-# built WHAT T [MAKE-ARGUMENT...]: make, no warnings of gcc and clang, run the tests with T in their
-# name. The program that runs them: $run.
+# built WHAT "T..." [MAKE-ARGUMENT...]: make, no warnings of gcc and clang, run the tests with one of
+# the T in their names. The program that runs them: $run.
 run=
 built() {
     what=$1 which=$2
@@ -64,7 +64,9 @@ built() {
         ${make:-make} -j"$jobs" -f "build/$v/rules.mk" "build/$v/test" >> log 2>&1 ||
         { cat log; echo "does not build"; exit 1; }
     if grep -i 'warning' log; then echo "builds with warnings"; exit 1; fi
-    $run "build/$v/test" --jobs "$jobs" "$which" || exit 1
+    for t in $which; do
+        $run "build/$v/test" --jobs "$jobs" "$t" || exit 1
+    done
 }
 
 # arg NAME DEFAULT [ARGUMENT...]: the value of NAME=value among the arguments
@@ -114,18 +116,18 @@ build() {
     native) need gcc; built bytes bytes CC=gcc ;;
     clang) need clang; built bytes bytes CC=clang ;;
     clang0) need clang; built bytes bytes CC=clang CFLAGS=-O0 PORTABLE=1 ;;
-    portable) need clang; built all "" CC=clang PORTABLE=1 ;;
-    plain) built all "" V=plain ;;
+    portable) need clang; built all / CC=clang PORTABLE=1 ;;
+    plain) built all / V=plain ;;
     debug) built bytes bytes V=debug ;;
-    tcc) need tcc; built all "" CC=tcc ;;
-    musl) need musl-gcc; built all "" CC=musl-gcc LDFLAGS=-static ;;
+    tcc) need tcc; built all / CC=tcc ;;
+    musl) need musl-gcc; built all / CC=musl-gcc LDFLAGS=-static ;;
     m32)
         need gcc
         cc32="gcc -m32 -msse2 -mfpmath=sse"
         # where the headers of the kernel are those of 64 bits only
         takes32 || cc32="$cc32 -idirafter /usr/include/$(gcc -print-multiarch)"
         takes32 || skip "gcc -m32"
-        built all "" "CC=$cc32" PORTABLE=1 ;;
+        built all / "CC=$cc32" PORTABLE=1 ;;
     s390x)
         need s390x-linux-gnu-gcc; need qemu-s390x
         run=qemu-s390x
@@ -133,7 +135,7 @@ build() {
     bmake) need bmake; make=bmake; built bytes bytes ;;
     oneline) oneline ;;
     headers) headers ;;
-    asan) built all "" V=asan ;;
+    asan) built all "hostile malformed faults cli bytes scenefile" V=asan ;;
     tsan) built bytes bytes V=tsan ;;
     *) echo "builds.sh: no build is called $1"; exit 1 ;;
     esac

@@ -15,7 +15,8 @@ static Arena words;
 static void append(char *name, size_t room, const char *key, const char *value)
 {
     size_t n = strlen(name);
-    snprintf(name + n, room - n, "%c%s=%s", strchr(name, ':') ? ',' : ':', key, value);
+    int more = snprintf(name + n, room - n, "%c%s=%s", strchr(name, ':') ? ',' : ':', key, value);
+    REQUIRE(more > 0 && (size_t)more < room - n, "%s: no room for %s", name, key);
 }
 
 static void set(Setting *s, const char *key, const char *value)

@@ -317,6 +317,7 @@ static void wrong_inputs(void)
         { "tiny.pbrt/x.pbrt", "tiny.pbrt/x.pbrt: cannot be opened: Not a directory" },
         { "wood.ppm", "wood.ppm: a scene was expected: .pbrt, .obj or .ply" },
         { "render tiny", "tiny: a scene was expected: .pbrt, .obj or .ply" },
+        { "a\nb\x1B[2J\x7F.pbrt", "a?b?[2J?.pbrt: cannot be opened: No such file or directory" },
         { "info empty.txt", "empty.txt: " KNOWN_IMAGES },
         { "compare tiny.pbrt wood.ppm", "tiny.pbrt: " KNOWN_IMAGES },
         { "compare wood.ppm tiny.pbrt", "tiny.pbrt: " KNOWN_IMAGES },

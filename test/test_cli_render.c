@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 static Image read_image(const char *name)
@@ -35,6 +36,7 @@ static void forms(void)
         "-o b.pfm --spp 3 --seed 7 --size 9x5 --quiet -- tiny.pbrt",
         "render --spp 3 --seed 7 --size 9x5 --quiet -o b.pfm -- -odd.pbrt",
         "tiny.pbrt --spp 3 --seed 7 --size 9x5 --quiet -o b.pfm --threads 1 --accel brute",
+        "tiny.pbrt --spp 3 --seed 7 --size 9x5 --quiet -o b.pfm --threads 256",
         "tiny.pbrt --spp 3 --seed 7 --size 9x5 --quiet -o b.pfm --integrator path:maxdepth=4",
         "tiny.pbrt --spp 3 --seed 7 --size 9x5 --quiet -o b.pfm --sampler zerotwo --filter box:",
     };
@@ -105,6 +107,8 @@ static void crop(void)
     image_clear(&part);
     CLI_WORKS("tiny.pbrt --quiet --crop 15,11,16,12 -o part.pfm");
     CLI_WORKS("tiny.pbrt --quiet --size 1x1 -o one.pfm");
+    CLI_WORKS("tiny.pbrt --quiet --size 65535x1 --spp 1 -o wide.pfm -o wide.png");
+    CLI_WORKS("tiny.pbrt --quiet --size 1x65535 --spp 1 -o high.pfm -o high.hdr");
     CLI_WORKS("tiny.pbrt --quiet --max-pixels 32 --size 5000x5000 --crop 4992,4996,5000,5000 "
               "-o part.pfm --spp 1");
 }
@@ -299,6 +303,39 @@ static void include_depth(void)
     EXPECT(cli("i5.pbrt --quiet --max-include 4 -o c.pfm").status == STATUS_INPUT, "one too many");
 }
 
+/* A stack of 256 KiB, as threads have on some systems, under includes and textures as deep as they
+ * may be. Sanitizers need more. */
+static void little_stack(void)
+{
+    const struct rlimit most = { 256 << 10, 256 << 10 };
+    setrlimit(RLIMIT_STACK, &most);
+}
+
+static void small_stack(void)
+{
+    static char text[40000];
+    Cli c;
+
+    cli_scene();
+    cli_write_text("i0.pbrt", cli_scene_text);
+    for (int k = 1; k <= 64; k++) {
+        char name[20];
+        snprintf(name, sizeof name, "i%d.pbrt", k);
+        snprintf(text, sizeof text, "Include \"i%d.pbrt\"\n", k - 1);
+        cli_write_text(name, text);
+    }
+    strcpy(text, "Include \"i63.pbrt\"\n");
+    for (int k = 1; k < 250; k++)
+        sprintf(text + strlen(text), "Texture \"t%d\" \"spectrum\" \"scale\" \"%s tex\" %s%d%s "
+                "\"float scale\" 0.99\n", k, k > 1 ? "texture" : "float", k > 1 ? "\"t" : "",
+                k > 1 ? k - 1 : 1, k > 1 ? "\"" : "");
+    strcat(text, "Material \"diffuse\" \"texture reflectance\" \"t120\"\nShape \"sphere\"\n");
+    cli_write_text("deep.pbrt", text);
+    c = cli_start(little_stack, "deep.pbrt --quiet --threads 1 -o a.pfm");
+    cli_wait(&c);
+    EXPECT_CLI(c, 0, "");
+}
+
 /* ---- warnings ---- */
 
 /* The warning and the error are the same but for the word, and --strict leaves no picture. */
@@ -408,6 +445,7 @@ const TestCase test_cli_render[] = {
     { "budget_of_error", budget_of_error, false },
     { "limits", limits, false },
     { "include_depth", include_depth, false },
+    { "small_stack", small_stack, false },
     { "strict", strict, false },
     { "default_names", default_names, false },
     { "bare_mesh", bare_mesh, false },
