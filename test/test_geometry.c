@@ -2,7 +2,6 @@
  * learns of a triangle: point and its error, normals, texture coordinates. */
 #include "test/ray_help.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const ShapeTraits plain = { 0, NO_LIGHT, false }, flipped = { 0, NO_LIGHT, true };

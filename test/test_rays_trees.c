@@ -3,7 +3,6 @@
  * that are no rays do no harm; a failed build leaves nothing behind. */
 #include "test/ray_help.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { DEPTH_MOST = 80 };       /* the stacks of queries are sized by it */

@@ -7,7 +7,6 @@
 #include "test/chi2.h"
 #include "test/test.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define SIGMAS 5.6
@@ -145,11 +144,12 @@ static void expect_unrelated(const Pairing *p, const char *sampler, const char *
 }
 
 /* Two numbers that must have nothing to do with each other, `turn` of many such pairs. */
-enum { RELATIONS = 7 };
+enum { RELATIONS = 9 };
 static const char *const relations[RELATIONS] = {
     "decisions of a bounce", "bounces of a decision", "1-D and 2-D of a decision",
     "x and y of a point", "neighbouring pixels", "neighbouring seeds",
-    "different samples of different decisions"
+    "different samples of different decisions", "1-D decisions of a bounce",
+    "bounces of a 1-D decision"
 };
 
 static void relate(Pairing *p, int relation, Sampler *s, Sampler *other, uint32_t pixel)
@@ -165,6 +165,10 @@ static void relate(Pairing *p, int relation, Sampler *s, Sampler *other, uint32_
     case 4: pair_up(p, u.x, point_at(s, pixel + 1, i, DECISION(DECIDE_DIRECTION, 1)).x); break;
     case 5: pair_up(p, u.y, point_at(other, pixel, i, DECISION(DECIDE_DIRECTION, 1)).y); break;
     case 6: pair_up(p, u.x, number_at(s, pixel, i + 1, DECISION(DECIDE_LIGHT, 1))); break;
+    case 7: pair_up(p, sample_1d(s, DECISION(DECIDE_LOBE, 1)),
+                    sample_1d(s, DECISION(DECIDE_ROULETTE, 1))); break;
+    case 8: pair_up(p, sample_1d(s, DECISION(DECIDE_LOBE, 1)),
+                    sample_1d(s, DECISION(DECIDE_LOBE, 2))); break;
     }
 }
 
@@ -183,27 +187,49 @@ static void independent(void)
     }
 }
 
-/* Within a pixel too: that each decision is stratified must not line one up with another. The mean
- * over a pixel's samples of the product, over pixels: its mean is 0 to its own standard error. */
+/* Within a pixel too: that each decision is stratified must not line one up with another. The sum
+ * over a pixel's samples of (x - 1/2)(y - 1/2), over pixels: its mean is 0 to its own standard
+ * error, and its variance that of independent pairs, n / 144, or at most twice that where samples 2k
+ * and 2k + 1 lie in opposite halves of each decision. Taken in the same order by two decisions, the
+ * samples would all lie on one diagonal of halves or on the other: n^2 / 256. */
 static void independent_within_pixels(void)
 {
-    enum { PIXELS = 100000, SPP = 16 };
+    enum { PIXELS = 100000, SPP = 64 };
 
     for (int k = 0; samplers[k]; k++) {
         Sampler s = sampler_of(samplers[k], 6);
         double sum = 0, squares = 0, z;
         for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
-            double mean = 0;
+            double all = 0;
             for (uint32_t i = 0; i < SPP; i++) {
                 V2 u = point_at(&s, pixel, i, DECISION(DECIDE_DIRECTION, 0));
                 V2 v = sample_2d(&s, DECISION(DECIDE_LIGHT_POINT, 0));
-                mean += (u.x - 0.5) * (v.x - 0.5) + (u.y - 0.5) * (v.x - 0.5);
+                all += (u.x - 0.5) * (v.x - 0.5);
             }
-            sum += mean;
-            squares += mean * mean;
+            sum += all;
+            squares += all * all;
         }
         z = sum / sqrt(squares);
         EXPECT(fabs(z) < SIGMAS, "%s: %g standard errors", samplers[k]->info.name, z);
+        squares /= PIXELS * SPP / 144.0;
+        EXPECT(squares < 2.1, "%s: %g times the variance", samplers[k]->info.name, squares);
+    }
+}
+
+/* Owen's scrambling places each sample in its stratum by itself: not all of them alike. */
+static void strata_apart(void)
+{
+    static Pairing p;
+    Sampler s = sampler_of(kind_find(samplers, "zerotwo"), 7);
+
+    for (uint32_t other = 1; other < 16; other *= 2) {
+        memset(&p, 0, sizeof p);
+        for (uint32_t pixel = 0; pixel < 1000000; pixel++) {
+            float a = 16 * point_at(&s, pixel, 0, DECISION(DECIDE_PIXEL, 0)).x;
+            float b = 16 * point_at(&s, pixel, other, DECISION(DECIDE_PIXEL, 0)).x;
+            pair_up(&p, a - floorf(a), b - floorf(b));
+        }
+        expect_unrelated(&p, "zerotwo", "places within strata");
     }
 }
 
@@ -308,7 +334,8 @@ const TestCase test_sampler[] = {
     { "range", range, false }, { "pure", pure, false }, { "uniform", uniform, false },
     { "independent", independent, false },
     { "independent_within_pixels", independent_within_pixels, false },
-    { "moments", moments, false }, { "elementary_intervals", elementary_intervals, false },
+    { "strata_apart", strata_apart, false }, { "moments", moments, false },
+    { "elementary_intervals", elementary_intervals, false },
     { "better_than_random", better_than_random, false },
     { NULL, NULL, false }
 };
