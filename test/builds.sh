@@ -49,8 +49,8 @@ copy() {
     cd "$dir" || exit 1
 }
 
-# built WHAT "T..." [MAKE-ARGUMENT...]: make, no warnings of gcc and clang, run the tests with one of
-# the T in their names. The program that runs them: $run.
+# built WHAT "T..." [MAKE-ARGUMENT...]: make, no warnings of gcc and clang, run the tests with one
+# of the T in their names. The program that runs them: $run.
 run=
 built() {
     what=$1 which=$2

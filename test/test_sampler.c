@@ -189,9 +189,9 @@ static void independent(void)
 
 /* Within a pixel too: that each decision is stratified must not line one up with another. The sum
  * over a pixel's samples of (x - 1/2)(y - 1/2), over pixels: its mean is 0 to its own standard
- * error, and its variance that of independent pairs, n / 144, or at most twice that where samples 2k
- * and 2k + 1 lie in opposite halves of each decision. Taken in the same order by two decisions, the
- * samples would all lie on one diagonal of halves or on the other: n^2 / 256. */
+ * error, and its variance that of independent pairs, n / 144, or at most twice that where samples
+ * 2k and 2k + 1 lie in opposite halves of each decision. Taken in the same order by two decisions,
+ * the samples would all lie on one diagonal of halves or on the other: n^2 / 256. */
 static void independent_within_pixels(void)
 {
     enum { PIXELS = 100000, SPP = 64 };
