@@ -6,7 +6,8 @@
 
 #define ACCELS(X)                                                              \
     X(brute)                    /* the reference */                            \
-    X(bvh)                      /* binary tree of boxes */
+    X(bvh)                      /* binary tree of boxes */                     \
+    X(wide)                     /* eight children a node, boxes in bytes */
 #define DECLARE(name) extern const AccelKind accel_##name;
 #define ENTRY(name) &accel_##name,
 ACCELS(DECLARE)
@@ -88,6 +89,7 @@ bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p,
 {
     const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
     float t = 0.0f;
+    Box box;
 
     switch (s->kind) {
     case SHAPE_SPHERE:   t = sphere_cross(&s->as.sphere, r); break;
@@ -95,7 +97,11 @@ bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p,
     case SHAPE_INSTANCE: return instance_nearest(&s->as.instance, r, p, prim, h, steps);
     case SHAPE_MESH:     break;
     }
-    if (!(t > 0.0f) || !hit_in_box(p, geometry_box(g, prim), &t) || t > h->t ||
+    if (!(t > 0.0f))
+        return false;
+    box = geometry_box(g, prim);
+    if (!hit_in_box(p, (BoxF4){ f4(box.lo.x, box.lo.y, box.lo.z, 0.0f),
+                                f4(box.hi.x, box.hi.y, box.hi.z, 0.0f) }, &t) || t > h->t ||
         (t == h->t && prim >= h->outer))
         return false;
     h->t = t;

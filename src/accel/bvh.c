@@ -6,11 +6,12 @@
  *             that one test of four lanes does for both, then where each leads. The primitives of a
  *             leaf are a run of `order`.
  * Invariants  The box of a node holds the boxes of all primitives below it: validate() checks.
- *             Depth is at most DEPTH_SAH + 32, whatever the input: below that nodes are halved.
+ *             Depth is at most REFS_DEPTH_SAH + 32, whatever the input: below that nodes are halved.
  * Departs     [Cline07] stores two child pointers; siblings need one, which leaves room for the
  *             count of a leaf. Leaves hold up to `leaf` primitives instead of one. */
 #include "accel/accel.h"
 #include "accel/prim.h"
+#include "accel/refs.h"
 #include "base/mem.h"
 #include "base/simd.h"
 
@@ -38,11 +39,9 @@ typedef struct {
     Link root;
 } Bvh;
 
-enum { BINS = 16, DEPTH_SAH = 48, STACK = DEPTH_SAH + 34 };
+enum { STACK = REFS_DEPTH_SAH + 34 };
 
 /* ---- building ---- */
-
-typedef struct { Box box; uint32_t prim; } Ref;         /* a primitive being sorted into the tree */
 
 typedef struct {
     Bvh  *bvh;
@@ -71,150 +70,6 @@ static Box pair_box(const Pair *p, int side)
                   v3(p->plane[0][1][side], p->plane[1][1][side], p->plane[2][1][side]) };
 }
 
-static int longest_axis(Box b)
-{
-    V3 d = v_sub(b.hi, b.lo);
-    return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
-}
-
-static float ref_centre(const Ref *r, int axis)
-{
-    return 0.5f * v_axis(r->box.lo, axis) + 0.5f * v_axis(r->box.hi, axis);
-}
-
-/* The place of the centre along the axis as a number of the same order, with the primitive's number
- * below it: no two are equal, so the tree does not depend on the order of refs. */
-static uint64_t ref_key(const Ref *r, int axis)
-{
-    float centre = ref_centre(r, axis) + 0.0f;          /* -0 counts as 0 */
-    uint32_t bits;
-
-    memcpy(&bits, &centre, 4);
-    bits ^= bits >> 31 ? 0xFFFFFFFFu : 0x80000000u;
-    return (uint64_t)bits << 32 | r->prim;
-}
-
-/* Afterwards refs[0..k) come before refs[k..n) along the axis. What is bisected is the range of the
- * keys, so that no order and no spacing of the input takes more than 64 rounds. */
-static void select_refs(Ref *refs, size_t n, size_t k, int axis)
-{
-    uint64_t least = UINT64_MAX, most = 0;
-    size_t lo = 0, hi = n, mid = n;
-
-    for (size_t i = 0; i < n; i++) {
-        uint64_t key = ref_key(&refs[i], axis);
-        least = key < least ? key : least;
-        most = key > most ? key : most;
-    }
-    while (mid != k) {
-        uint64_t pivot = least + (most - least) / 2;
-        size_t end = hi;
-        for (mid = lo; mid < end;) {
-            Ref swap = refs[mid];
-            if (ref_key(&swap, axis) <= pivot)
-                mid++;
-            else {
-                refs[mid] = refs[--end];
-                refs[end] = swap;
-            }
-        }
-        if (k < mid) {
-            hi = mid;
-            most = pivot;
-        } else {
-            lo = mid;
-            least = pivot + 1;
-        }
-    }
-}
-
-static size_t split_median(Ref *refs, size_t n, Box centres)
-{
-    select_refs(refs, n, n / 2, longest_axis(centres));
-    return n / 2;
-}
-
-typedef struct { Box box; uint32_t n; } Bin;
-
-static int bin_of(const Ref *r, int axis, float lo, float scale)
-{
-    float b = (ref_centre(r, axis) - lo) * scale;       /* no number if the extent overflows */
-    return b >= (float)BINS ? BINS - 1 : b > 0.0f ? (int)b : 0;
-}
-
-/* Least cost of a split between bins: sum over sides of area times count. *cut: first bin of the
- * right side. */
-static float best_cut(const Bin *bins, int *cut)
-{
-    float cost[BINS], best = INFINITY;
-    Box b = box_empty();
-    uint32_t n = 0;
-
-    for (int i = BINS - 1; i > 0; i--) {
-        b = box_join(b, bins[i].box);
-        n += bins[i].n;
-        cost[i] = n ? box_area(b) * (float)n : INFINITY;
-    }
-    b = box_empty();
-    n = 0;
-    for (int i = 1; i < BINS; i++) {
-        b = box_join(b, bins[i - 1].box);
-        n += bins[i - 1].n;
-        if (n && box_area(b) * (float)n + cost[i] < best) {
-            best = box_area(b) * (float)n + cost[i];
-            *cut = i;
-        }
-    }
-    return best;
-}
-
-/* Splits by the heuristic, or returns 0 if a leaf is cheaper. A visit of a node is taken to cost as
- * much as the test of a primitive. */
-static size_t split_sah(Ref *refs, size_t n, Box box, Box centres, uint32_t leaf)
-{
-    Bin bins[3][BINS];
-    float scale[3], lo[3], best = INFINITY;
-    int axis = -1, cut = 0;
-    size_t i = 0, j = n;
-
-    for (int k = 0; k < 3; k++) {
-        float extent = v_axis(centres.hi, k) - v_axis(centres.lo, k);
-        lo[k] = v_axis(centres.lo, k);
-        scale[k] = extent > 0.0f && is_finite((float)BINS / extent) ? (float)BINS / extent : 0.0f;
-        for (int b = 0; b < BINS; b++)
-            bins[k][b] = (Bin){ box_empty(), 0 };
-    }
-    for (size_t r = 0; r < n; r++)
-        for (int k = 0; k < 3; k++) {
-            Bin *b = &bins[k][bin_of(&refs[r], k, lo[k], scale[k])];
-            b->box = box_join(b->box, refs[r].box);
-            b->n++;
-        }
-    for (int k = 0; k < 3; k++) {
-        int at = 0;
-        float cost = scale[k] > 0.0f ? best_cut(bins[k], &at) : INFINITY;
-        if (cost < best) {
-            best = cost;
-            axis = k;
-            cut = at;
-        }
-    }
-    if (n <= leaf && !(best + box_area(box) < box_area(box) * (float)n))
-        return 0;
-    if (axis < 0)                               /* all centres in one place, or no area at all */
-        return split_median(refs, n, centres);
-    while (i < j) {
-        if (bin_of(&refs[i], axis, lo[axis], scale[axis]) < cut)
-            i++;
-        else {
-            Ref swap = refs[i];
-            refs[i] = refs[--j];
-            refs[j] = swap;
-        }
-    }
-    return i > 0 && i < n ? i : split_median(refs, n, centres);
-}
-
 static void make_leaf(Build *b, Link *link, const Task *t)
 {
     link->first = t->first;
@@ -233,23 +88,20 @@ static size_t choose_split(const Build *b, const Task *t, Box box, Box centres)
 
     if (t->count == 1)
         return 0;
-    if (b->sah && t->depth < DEPTH_SAH)
-        return split_sah(refs, t->count, box, centres, b->leaf);
-    return t->count > b->leaf ? split_median(refs, t->count, centres) : 0;
+    if (b->sah && t->depth < REFS_DEPTH_SAH)
+        return refs_split_sah(refs, t->count, box, centres, b->leaf, 1);
+    return t->count > b->leaf ? refs_split_median(refs, t->count, centres) : 0;
 }
 
 /* Sets the box and the link of the task's node and, unless it became a leaf, gives the tasks of its
  * children. */
 static bool make_node(Build *b, Task t, Task child[2], bool *inner)
 {
-    Box box = box_empty(), centres = box_empty();
+    Box box, centres;
     uint32_t left, pair = (uint32_t)b->npairs;
     Link *link;
 
-    for (uint32_t i = t.first; i < t.first + t.count; i++) {
-        box = box_join(box, b->refs[i].box);
-        centres = box_point(centres, box_centre(b->refs[i].box));
-    }
+    refs_bounds(b->refs + t.first, t.count, &box, &centres);
     left = (uint32_t)choose_split(b, &t, box, centres);
     *inner = left > 0;
     if (left && !mem_grow(&b->pairs, &b->cap_pairs, b->npairs + 1, sizeof(Pair)))
@@ -331,8 +183,7 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
     b.refs = MEM_ARRAY(Ref, n);
     b.bvh->order = MEM_ARRAY(uint32_t, n);
     if (b.refs && b.bvh->order) {
-        for (uint32_t i = 0; i < n; i++)
-            b.refs[i] = (Ref){ geometry_box(g, i), i };
+        refs_init(b.refs, g);
         ok = (n == 0 || build_nodes(&b, n)) && settle_pairs(&b);
     }
     mem_free(b.refs);

@@ -16,6 +16,7 @@
 #define NOINLINE    __attribute__((noinline))
 #define INLINE      static inline __attribute__((always_inline, unused))
 #define SWAP_BYTES(x) __builtin_bswap64(x)
+#define LOWEST_BIT(x) __builtin_ctz((unsigned)(x))
 #else
 #define PRINTF_LIKE(f, a)
 #define LIKELY(c)   (c)
@@ -27,6 +28,14 @@
     (((x) & 0xFFu) << 56 | ((x) & 0xFF00u) << 40 | ((x) & 0xFF0000u) << 24 |           \
      ((x) & 0xFF000000u) << 8 | ((x) >> 8 & 0xFF000000u) | ((x) >> 24 & 0xFF0000u) |   \
      ((x) >> 40 & 0xFF00u) | (x) >> 56)
+#define LOWEST_BIT(x) lowest_bit((unsigned)(x))
+static inline int lowest_bit(unsigned x)        /* x != 0 */
+{
+    int k = 0;
+    while (!(x >> k & 1))
+        k++;
+    return k;
+}
 #endif
 
 /* tcc 0.9.27 stores 16 bytes where it returns a struct of three floats by value, and so overwrites

@@ -2,6 +2,7 @@
 #ifndef GEOMETRY_RAY_H
 #define GEOMETRY_RAY_H
 
+#include "base/simd.h"
 #include "base/vec.h"
 
 #include <stdint.h>

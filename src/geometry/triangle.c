@@ -2,24 +2,7 @@
  * See triangle.h. */
 #include "geometry/triangle.h"
 
-/* slabs() of ray.h for a box by value: the same arithmetic, without a way through memory. */
-bool hit_in_box(const Probe *p, Box box, float *t)
-{
-    bool x = p->neg[0], y = p->neg[1], z = p->neg[2];
-    float nx = ((x ? box.hi.x : box.lo.x) - p->o.x) * p->inv.x;
-    float ny = ((y ? box.hi.y : box.lo.y) - p->o.y) * p->inv.y;
-    float nz = ((z ? box.hi.z : box.lo.z) - p->o.z) * p->inv.z;
-    float fx = ((x ? box.lo.x : box.hi.x) - p->o.x) * p->inv.x;
-    float fy = ((y ? box.lo.y : box.hi.y) - p->o.y) * p->inv.y;
-    float fz = ((z ? box.lo.z : box.hi.z) - p->o.z) * p->inv.z;
-    float n = f_max(nz, f_max(ny, f_max(nx, 0.0f)));
-    float f = f_min(fz, f_min(fy, f_min(fx, INFINITY))) * SLAB_WIDEN;
-
-    if (!(n <= f))
-        return false;
-    *t = *t < n ? n : *t > f ? f : *t;
-    return *t < INFINITY;
-}
+#include <string.h>
 
 /* ---- triangles that reach from behind the origin to before it ----
  *
@@ -84,11 +67,10 @@ static bool clearly_ahead(const TriangleView *v, bool forward)
     return least > 0x1p-10f * most;
 }
 
-NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,
-                              const TriangleView *v, Hit *h)
+/* The corners as they were given, and as the ray sees them. */
+INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, const Probe *r,
+                   Hit *h)
 {
-    const Tri *tri = &g->tri[prim];
-    V3 pa = g->p[tri->v[0]], pb = g->p[tri->v[1]], pc = g->p[tri->v[2]];
     V3 a = v->a, b = v->b, c = v->c;
     double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
     double eb = (double)a.x * c.y - (double)a.y * c.x;
@@ -110,12 +92,49 @@ NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,
         else if (!clearly_ahead(v, along > 0))
             return false;
     }
-    if (!hit_in_box(r, triangle_box(pa, pb, pc), &t) || !(t > 0.0f) || t > h->t ||
-        (t == h->t && prim >= h->outer))
+    if (!hit_in_box(r, triangle_box_f4(f4(pa.x, pa.y, pa.z, 0.0f), f4(pb.x, pb.y, pb.z, 0.0f),
+                                       f4(pc.x, pc.y, pc.z, 0.0f)), &t) ||
+        !(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
         return false;
     h->t = t;
     h->u = (float)(eb / det);
     h->v = (float)(ec / det);
     h->outer = h->prim = prim;
     return true;
+}
+
+NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,
+                              const TriangleView *v, Hit *h)
+{
+    const Tri *tri = &g->tri[prim];
+    return accept(g->p[tri->v[0]], g->p[tri->v[1]], g->p[tri->v[2]], v, prim, r, h);
+}
+
+/* ---- eight at once ---- */
+
+void triangle_block_init(TriangleBlock *b, const Geometry *g, const uint32_t *prims, int n)
+{
+    memset(b, 0, sizeof *b);
+    for (int k = 0; k < n; k++) {
+        V3 c[3];
+        geometry_corners(g, prims[k], c);
+        for (int i = 0; i < 3; i++)
+            for (int axis = 0; axis < 3; axis++)
+                b->p[i][axis][k] = v_axis(c[i], axis);
+        b->prim[k] = prims[k];
+    }
+}
+
+static V3 lane_of(const float p[3][8], int k) { return v3(p[0][k], p[1][k], p[2][k]); }
+
+NOINLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
+                                    const BlockView *view, Hit *h)
+{
+    TriangleView v;
+
+    v.a = lane_of(view->lane[0], k);
+    v.b = lane_of(view->lane[1], k);
+    v.c = lane_of(view->lane[2], k);
+    return accept(lane_of(b->p[0], k), lane_of(b->p[1], k), lane_of(b->p[2], k), &v, b->prim[k], r,
+                  h);
 }

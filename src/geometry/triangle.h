@@ -36,9 +36,33 @@ INLINE Box triangle_box(V3 a, V3 b, V3 c)
     return (Box){ v_sub(lo, m), v_add(hi, m) };
 }
 
-/* Puts t between where the ray enters and leaves the box. False: it never does, or not within the
- * range of floats, where boxes could not tell entry from exit. */
-bool hit_in_box(const Probe *p, Box box, float *t);
+/* The lower and upper corner of a box, for arithmetic of all three axes at once. */
+typedef struct { F4 lo, hi; } BoxF4;
+
+/* The same of the same bits. */
+INLINE BoxF4 triangle_box_f4(F4 a, F4 b, F4 c)
+{
+    F4 lo = f4_min(a, f4_min(b, c)), hi = f4_max(a, f4_max(b, c));
+    F4 m, e = f4_all(ROUNDINGS(8) * f4_max_three(f4_sub(hi, lo)));
+
+    m = f4_add(f4_mul(f4_max(f4_abs(lo), f4_abs(hi)), f4_all(ROUNDINGS(2))), e);
+    return (BoxF4){ f4_sub(lo, m), f4_add(hi, m) };
+}
+
+/* Puts t between where the ray enters and leaves the box: slabs() of ray.h, in the same arithmetic.
+ * False: it never does, or not within the range of floats, where boxes could not tell entry from
+ * exit. */
+INLINE bool hit_in_box(const Probe *p, BoxF4 b, float *t)
+{
+    F4 o = f4(p->o.x, p->o.y, p->o.z, 0.0f), inv = f4(p->inv.x, p->inv.y, p->inv.z, 0.0f);
+    F4 n = f4_mul(f4_sub(f4_if_negative(inv, b.hi, b.lo), o), inv);
+    F4 f = f4_mul(f4_sub(f4_if_negative(inv, b.lo, b.hi), o), inv);
+    float near = f4_max_three(f4_max(n, f4_all(0.0f)));
+    float far = f4_min_three(f4_min(f, f4_all(INFINITY))) * SLAB_WIDEN;
+
+    *t = f_min(f_max(*t, near), far);
+    return (near <= far) & (*t < INFINITY);
+}
 
 /* The corner as the ray sees it: x, y across, z along it, in units of the direction's largest
  * component (times r->sz: in units of t). */
@@ -61,6 +85,55 @@ typedef struct { V3 a, b, c; } TriangleView;
 /* What is left to do once the ray may pass between the edges: weights, depth, box, order. */
 bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, const TriangleView *v,
                      Hit *h);
+
+/* ---- eight at once ---- */
+
+/* Copies of up to eight triangles, the lanes that are not used zero. */
+typedef struct {
+    float    p[3][3][8];        /* [corner][axis][triangle] */
+    uint32_t prim[8];
+} TriangleBlock;
+
+void triangle_block_init(TriangleBlock *b, const Geometry *g, const uint32_t *prims, int n);
+
+/* The corners of a block as the ray sees them. */
+typedef union { float lane[3][3][8]; F8 align; } BlockView;    /* [corner][x, y, z][triangle] */
+
+/* Bit k: triangle k of the first n has to be looked at more closely. The arithmetic of each lane is
+ * that of triangle_nearest; besides, triangles that lie wholly behind the origin are out. */
+INLINE int triangle_block_test(const TriangleBlock *b, int n, const Probe *r, BlockView *v)
+{
+    F8 x[3], y[3], z[3], e[3], least, most, size, ahead, zero = f8_all(0.0f);
+    F8 forward = f8_all(r->sz < 0.0f ? -1.0f : 1.0f);
+    int out;
+
+    for (int k = 0; k < 3; k++) {
+        z[k] = f8_sub(f8_load(b->p[k][r->kz]), f8_all(r->oz));
+        x[k] = f8_sub(f8_sub(f8_load(b->p[k][r->kx]), f8_all(r->ox)), f8_mul(f8_all(r->sx), z[k]));
+        y[k] = f8_sub(f8_sub(f8_load(b->p[k][r->ky]), f8_all(r->oy)), f8_mul(f8_all(r->sy), z[k]));
+    }
+    e[0] = f8_sub(f8_mul(x[2], y[1]), f8_mul(y[2], x[1]));
+    e[1] = f8_sub(f8_mul(x[0], y[2]), f8_mul(y[0], x[2]));
+    e[2] = f8_sub(f8_mul(x[1], y[0]), f8_mul(y[1], x[0]));
+    least = f8_min(e[0], f8_min(e[1], e[2]));
+    most = f8_max(e[0], f8_max(e[1], e[2]));
+    size = f8_min(f8_abs(e[0]), f8_min(f8_abs(e[1]), f8_abs(e[2])));
+    ahead = f8_max(f8_mul(z[0], forward), f8_max(f8_mul(z[1], forward), f8_mul(z[2], forward)));
+    out = (f8_less(least, zero) & f8_less(zero, most) & f8_less(zero, size)) |
+          f8_at_most(ahead, zero);
+    out = ~out & ((1 << n) - 1);
+    if (out)
+        for (int k = 0; k < 3; k++) {
+            f8_store(v->lane[k][0], x[k]);
+            f8_store(v->lane[k][1], y[k]);
+            f8_store(v->lane[k][2], z[k]);
+        }
+    return out;
+}
+
+/* triangle_accept for one of them. */
+bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r, const BlockView *v,
+                           Hit *h);
 
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
  * is set. Most calls end here, with edge functions of both signs. */
