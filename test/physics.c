@@ -407,7 +407,7 @@ Ray ray_fixed(const void *of, Sampler *s)
 
 Ray ray_anywhere(const void *of, Sampler *s)
 {
-    return (Ray){ *(const V3 *)of, warp_sphere(sample_2d(s, DECISION(DECIDE_PIXEL, 0))), INFINITY };
+    return (Ray){ .o = *(const V3 *)of, .d = warp_sphere(sample_2d(s, DECISION(DECIDE_PIXEL, 0))), .tmax = INFINITY };
 }
 
-Ray ray_towards(V3 eye, V3 at) { return (Ray){ eye, v_unit(v_sub(at, eye)), INFINITY }; }
+Ray ray_towards(V3 eye, V3 at) { return (Ray){ .o = eye, .d = v_unit(v_sub(at, eye)), .tmax = INFINITY }; }

@@ -257,7 +257,7 @@ static float signed_zero(RayMaker *m) { return rng_below(&m->rng, 2) ? 0.0f : -0
 
 static Ray run_along(RayMaker *m, uint32_t zeros)
 {
-    Ray r = { around(m), { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = around(m), .d = { 0, 0, 0 }, .tmax = INFINITY };
     uint32_t axis = rng_below(&m->rng, 3);
 
     r.d = rng_direction(&m->rng);
@@ -278,7 +278,7 @@ static Ray tiny_components(RayMaker *m)
 {
     static const float size[10] = { 0.0f, 0x1p-149f, 1e-42f, 0x1p-127f, 0x1p-126f, 1e-30f, 1e-10f,
                                     1e-3f, 0.5f, 1.0f };
-    Ray r = { around(m), { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = around(m), .d = { 0, 0, 0 }, .tmax = INFINITY };
 
     for (uint32_t k = 0; k < 3; k++)
         *axis_of(&r.d, k) = size[rng_below(&m->rng, 10)] * (rng_below(&m->rng, 2) ? 1.0f : -1.0f);
@@ -290,7 +290,7 @@ static Ray tiny_components(RayMaker *m)
 
 static Ray within_plane(RayMaker *m)
 {
-    Ray r = { { 0, 0, 0 }, { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = { 0, 0, 0 }, .d = { 0, 0, 0 }, .tmax = INFINITY };
     V3 c[3], w = rng_barycentric(&m->rng);
     float a = rng_between(&m->rng, -3.0f, 3.0f), b = rng_between(&m->rng, -3.0f, 3.0f);
 
@@ -307,7 +307,7 @@ static Ray within_plane(RayMaker *m)
 
 static Ray aim(RayMaker *m, V3 at)
 {
-    Ray r = { around(m), { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = around(m), .d = { 0, 0, 0 }, .tmax = INFINITY };
     r.d = v_sub(at, r.o);
     if (rng_below(&m->rng, 2))
         r.d = v_unit(r.d);
@@ -343,7 +343,7 @@ static float power_of_2(RayMaker *m, int lo, int hi)
 
 Ray ray_make(RayMaker *m, RayClass c)
 {
-    Ray r = { { 0, 0, 0 }, { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = { 0, 0, 0 }, .d = { 0, 0, 0 }, .tmax = INFINITY };
     V3 at;
 
     switch (c) {

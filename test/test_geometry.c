@@ -107,7 +107,7 @@ static void two_triangles(Geometry *g, const V3 *n, bool with_uv, ShapeTraits tr
 
 static Surface surface_at(const Geometry *g, uint32_t prim, float u, float v)
 {
-    Ray r = { { 0, 0, 0 }, { 0, 0, 1 }, 1 };
+    Ray r = { .o = { 0, 0, 0 }, .d = { 0, 0, 1 }, .tmax = 1 };
     Hit h = { 0, u, v, prim, prim };
     Surface s;
     geometry_surface(g, &r, &h, &s);

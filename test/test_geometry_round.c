@@ -35,7 +35,7 @@ static Ray towards(Rng *rng, V3 centre, float radius)
 {
     V3 o = v_mad(rng_direction(rng), radius * rng_between(rng, 0.0f, 10.0f), centre);
     V3 at = v_mad(rng_direction(rng), radius * 0.9f * rng_unit(rng), centre);
-    return (Ray){ o, v_unit(v_sub(at, o)), INFINITY };
+    return (Ray){ .o = o, .d = v_unit(v_sub(at, o)), .tmax = INFINITY };
 }
 
 static bool surface_of(Geometry *g, const Ray *r, float t, Surface *s)

@@ -38,7 +38,7 @@ static V2 unit2(Rng *rng)
 /* The surface of the light that a ray from the point meets. */
 static bool meets(const View *v, V3 wi, Surface *s)
 {
-    Ray r = { v->from, wi, INFINITY };
+    Ray r = { .o = v->from, .d = wi, .tmax = INFINITY };
     Hit h;
 
     if (!accel_nearest(v->scene->accel, &r, &h))

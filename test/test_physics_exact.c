@@ -144,7 +144,7 @@ static void roulette_room(void)
             Enumeration played = enumeration(DECIDE_ROULETTE, STEPS, 1, seed), none = played;
             double with[ENUMERATE_VALUES], without[ENUMERATE_VALUES];
             V2 u = enumerate_fixed(&played, DECISION(DECIDE_PIXEL, 0));
-            Ray r = { { 0, -0.9f, 0.3f }, warp_sphere(u), INFINITY };
+            Ray r = { .o = { 0, -0.9f, 0.3f }, .d = warp_sphere(u), .tmax = INFINITY };
             char text[100];
 
             snprintf(text, sizeof text, "%s,roulette=%d", options[i], i < 2 ? 1 : 2);

@@ -147,7 +147,7 @@ static void expect_unseen(Lab *l, const char *name)
     Rng rng = rng_seed(43);
     Tracer t;
     Opts none;
-    Ray first = { { 0, 0, 0 }, { 0, 0, 1 }, 0 };
+    Ray first = { .o = { 0, 0, 0 }, .d = { 0, 0, 1 }, .tmax = 0 };
     Rgb is = { 0, 0, 0 };
 
     memset(&t, 0, sizeof t);
@@ -208,7 +208,7 @@ static void phong_from_above(void)
     static const char *const ways[] = { "strategy=implicit,maxdepth=1",
                                         "strategy=explicit,maxdepth=1", "strategy=mis,maxdepth=1" };
     static const double delta[3] = { 0.003, 0.055, 0.01 };
-    Ray r = { { 0.1f, 0.2f, 1 }, { 0, 0, -1 }, INFINITY };
+    Ray r = { .o = { 0.1f, 0.2f, 1 }, .d = { 0, 0, -1 }, .tmax = INFINITY };
     Gauge g = { ray_fixed, NULL, 200000, 45, 0 };
     Lab l;
 

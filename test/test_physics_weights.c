@@ -153,7 +153,7 @@ static void expect_weight(Lab *l, Setup *s, Fixed *f, Ray r, Strategy how, Which
 /* Where a ray from POINT meets which light; false: the floor's underside or a back. */
 static bool light_met(const Lab *l, V3 wi, Which *w, V3 *p)
 {
-    Ray r = { { POINT.x, POINT.y, 1e-7f }, wi, INFINITY };
+    Ray r = { .o = { POINT.x, POINT.y, 1e-7f }, .d = wi, .tmax = INFINITY };
     const Light *light;
     Surface s;
     Hit h;

@@ -143,7 +143,7 @@ static bool ends_there(const Ray *r, const Hit *h, float q, float cosine)
 /* clear: least distance of a plane that the ray may meet; 0: unknown. */
 static void shoot(const Accel *a, V3 o, V3 at, uint32_t how, float clear, Tally *t)
 {
-    Ray r = { o, { 0, 0, 0 }, INFINITY };
+    Ray r = { .o = o, .d = { 0, 0, 0 }, .tmax = INFINITY };
     float q;
     Hit h;
 

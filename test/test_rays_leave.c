@@ -303,7 +303,7 @@ static void print_spawn(const char *what, const Ray *r, const Hit *from, const H
 static void check_outward(const Scene *s, const Hit *h, const Surface *sf, V3 w, double side,
                           Count *t)
 {
-    Ray r = { ray_origin(sf->p, sf->err, sf->ng, w), w, INFINITY };
+    Ray r = { .o = ray_origin(sf->p, sf->err, sf->ng, w), .d = w, .tmax = INFINITY };
     Stand st = stand_at(s, h, r.o, w);
     Hit again;
 
@@ -323,7 +323,7 @@ static void check_outward(const Scene *s, const Hit *h, const Surface *sf, V3 w,
 /* The ray that enters towards w must meet the far side, and from there go on to nothing. */
 static void check_inward(const Scene *s, const Hit *h, const Surface *sf, V3 w, Count *t)
 {
-    Ray r = { ray_origin(sf->p, sf->err, sf->ng, w), w, INFINITY };
+    Ray r = { .o = ray_origin(sf->p, sf->err, sf->ng, w), .d = w, .tmax = INFINITY };
     Surface far;
     Hit hit;
 

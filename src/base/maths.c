@@ -62,21 +62,6 @@ static float to_float(double y) { return y < FLOAT_END ? (float)y : INFINITY; }
 
 /* ---- sine and cosine ---- */
 
-/* On [-pi/4, pi/4]; the form r * (1 + ...) keeps the sign of zero. */
-static double sin_brief(double r)                       /* 2^-37.5 */
-{
-    double z = r * r, z2 = z * z;
-    return r * (1.0 + z * ((-0x1.5555554c70e6dp-3 + z * 0x1.11110869b65b5p-7) +
-                           z2 * (-0x1.a00f7e9e77905p-13 + z * 0x1.6cd1d190e6608p-19)));
-}
-
-static double cos_brief(double r)                       /* 2^-41.3 */
-{
-    double z = r * r, z2 = z * z;
-    return (1.0 - 0.5 * z) + z2 * ((0x1.55555552c1ffep-5 + z * -0x1.6c16bbae1553bp-10) +
-                                   z2 * (0x1.a012cee1980e4p-16 + z * -0x1.2474de4884747p-22));
-}
-
 static double sin_full(double r)                        /* 2^-57.9 */
 {
     double z = r * r;

@@ -11,6 +11,7 @@
 #include <math.h>               /* sqrt, sqrtf, fabs, floor, ceil, INFINITY: exact everywhere */
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #define PI      3.14159265358979323846
 #define PI_F    3.14159274f
@@ -46,6 +47,44 @@ static inline float clamp01(float x) { return x < 0.0f ? 0.0f : x > 1.0f ? 1.0f 
 static inline float f_min(float a, float b) { return a < b ? a : b; }
 static inline float f_max(float a, float b) { return a > b ? a : b; }
 static inline float f_sqr(float a) { return a * a; }
+
+/* Exchanges the two, or leaves them: on the bits, without a branch, for conditions that cannot be
+ * foretold. */
+static inline void f_exchange_if(bool exchange, float *a, float *b)
+{
+    uint32_t x, y, turn;
+
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    turn = (x ^ y) & (0 - (uint32_t)exchange);
+    x ^= turn;
+    y ^= turn;
+    memcpy(a, &x, sizeof x);
+    memcpy(b, &y, sizeof y);
+}
+
+/* ---- sine and cosine on [-pi/4, pi/4], what all others are reduced to ---- */
+
+/* The form r * (1 + ...) keeps the sign of zero. */
+static inline double sin_brief(double r)                /* error 2^-37.5 */
+{
+    double z = r * r, z2 = z * z;
+    return r * (1.0 + z * ((-0x1.5555554c70e6dp-3 + z * 0x1.11110869b65b5p-7) +
+                           z2 * (-0x1.a00f7e9e77905p-13 + z * 0x1.6cd1d190e6608p-19)));
+}
+static inline double cos_brief(double r)                /* 2^-41.3 */
+{
+    double z = r * r, z2 = z * z;
+    return (1.0 - 0.5 * z) + z2 * ((0x1.55555552c1ffep-5 + z * -0x1.6c16bbae1553bp-10) +
+                                   z2 * (0x1.a012cee1980e4p-16 + z * -0x1.2474de4884747p-22));
+}
+/* m_sincos_turn for |u| <= 1/8. */
+static inline void m_sincos_eighth(float u, float *s, float *c)
+{
+    double r = 4.0 * u * (PI / 2);
+    *s = (float)sin_brief(r);
+    *c = (float)cos_brief(r);
+}
 
 /* n roundings in a row err by at most this, relative [Higham02 3.4]: n u / (1 - n u), u = 2^-24. */
 #define ROUNDINGS(n) ((n) * 5.9604645e-8f / (1.0f - (n) * 5.9604645e-8f))

@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 /* Points o + t d with 0 < t <= tmax. d need not be unit; t is in units of its length. */
-typedef struct { V3 o, d; float tmax; } Ray;
+typedef struct { V3 o; float tmax; V3 d; } Ray;
 
 #define NO_PRIM UINT32_MAX
 
@@ -46,7 +46,7 @@ INLINE Ray ray_between(V3 a, V3 a_err, V3 a_n, V3 b, V3 b_err, V3 b_n, V3 w)
 {
     V3 err = v_mad(v_abs(v_sub(b, a)), ROUNDINGS(8), b_err);
     V3 o = ray_origin(a, a_err, a_n, w), end = ray_origin(b, err, b_n, v_neg(w));
-    return (Ray){ o, v_sub(end, o), SHADOW_TMAX };
+    return (Ray){ .o = o, .d = v_sub(end, o), .tmax = SHADOW_TMAX };
 }
 
 /* ---- boxes ---- */
@@ -83,7 +83,7 @@ INLINE void probe_init(Probe *p, const Ray *r)
     p->kz = ((ay > ax) & (top - 1)) | top << 1;
     p->kx = NEXT_AXIS[p->kz];
     p->ky = NEXT_AXIS[p->kx];
-    p->sz = 1.0f / d[p->kz];
+    p->sz = (&p->inv.x)[p->kz];
     p->sx = d[p->kx] * p->sz;
     p->sy = d[p->ky] * p->sz;
     p->ox = o[p->kx];

@@ -14,11 +14,6 @@ const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
 bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to)
 {
-    Ray r;
-
-    if (is_finite(to->dist))
-        r = ray_between(from->p, from->err, from->ng, to->p, to->err, to->n, to->wi);
-    else
-        r = (Ray){ ray_origin(from->p, from->err, from->ng, to->wi), to->wi, INFINITY };
+    Ray r = shadow_ray(from, to);
     return !tracer_blocked(t, &r);
 }

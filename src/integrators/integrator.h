@@ -41,7 +41,14 @@ INLINE bool tracer_blocked(Tracer *t, const Ray *r)
     t->rays++;
     return accel_blocked(t->scene->accel, r);
 }
-/* Whether anything stands between the surface point p (error, normal) and the light's point. */
+/* The ray that tells whether anything stands between the surface point and the light's. */
+INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
+{
+    if (is_finite(to->dist))
+        return ray_between(from->p, from->err, from->ng, to->p, to->err, to->n, to->wi);
+    return (Ray){ .o = ray_origin(from->p, from->err, from->ng, to->wi), .d = to->wi,
+                  .tmax = INFINITY };
+}
 bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to);
 
 /* Adds a path of `edges` edges, found by `how`, to the tally. */

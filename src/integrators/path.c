@@ -81,13 +81,20 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
     return sum;
 }
 
-/* A connection of the vertex to one light. */
-static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const Frame *frame,
-                          const Bsdf *b, V3 wo, Tracer *t)
+/* An explicit path of so many edges, which adds c unless anything stands in the ray's way. */
+typedef struct {
+    Ray  ray;
+    Rgb  c;
+    int  edges;
+} Connection;
+
+/* Connects the vertex to one light. False: that would add nothing. */
+static bool connect(const Path *it, const Eye *e, const Surface *s, const Frame *frame,
+                    const Bsdf *b, V3 wo, Tracer *t, Connection *to)
 {
-    Rgb black = rgb_all(0.0f), f, c;
     LightSample ls;
     float pmf, left, weight = 1.0f, pdf;
+    Rgb f;
     V3 wi;
     const Light *l;
     float u = it->base.scene->nlights > 1
@@ -96,21 +103,20 @@ static Rgb explicit_light(const Path *it, const Eye *e, const Surface *s, const 
     l = it->lights->kind->pick(it->lights, s->p, s->ns, u, &pmf, &left);
     if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler,
                                                   DECISION(DECIDE_LIGHT_POINT, e->depth)), &ls))
-        return black;
+        return false;
     wi = frame_in(frame, ls.wi);
     if (!(v_dot(ls.wi, s->ng) * wi.z > 0.0f))
-        return black;
+        return false;
     f = b->kind->eval(b, wo, wi, false);
     if (rgb_black(f))
-        return black;
+        return false;
     pdf = pmf * ls.pdf_w;
     if (it->ways == MIS && !l->kind->delta)
         weight = heuristic(it, pdf, b->kind->pdf_w(b, wo, wi));
-    if (!tracer_sees(t, s, &ls))
-        return black;
-    c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f), ls.L), fabsf(wi.z) * weight / pdf);
-    tracer_tally(t, e->depth + 2, STRATEGY_EXPLICIT, c);
-    return c;
+    to->c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f), ls.L), fabsf(wi.z) * weight / pdf);
+    to->ray = shadow_ray(s, &ls);
+    to->edges = e->depth + 2;
+    return true;
 }
 
 /* Takes the path one scattering event further. False: it ends here. */
@@ -166,6 +172,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         Bsdf b;
         Frame frame;
         V3 wo;
+        Connection to;
+        bool connects, goes_on;
         if (!tracer_nearest(t, &e.ray, &h))
             return rgb_add(sum, implicit_sky(it, &e, t));
         accel_surface(scene->accel, &e.ray, &h, &s);
@@ -176,9 +184,15 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         material_bsdf(&scene->materials[s.shape->material], s.uv, &b);
         frame = frame_about(s.ns);
         wo = frame_in(&frame, v_neg(e.ray.d));
-        if (it->ways != IMPLICIT && (b.kind->flags & BSDF_SMOOTH))
-            sum = rgb_add(sum, explicit_light(it, &e, &s, &frame, &b, wo, t));
-        if (!scatter(it, &e, &s, &frame, &b, wo, t))
+        /* Both decisions first, then the rays: the processor works on the two side by side. */
+        connects = it->ways != IMPLICIT && (b.kind->flags & BSDF_SMOOTH) &&
+                   connect(it, &e, &s, &frame, &b, wo, t, &to);
+        goes_on = scatter(it, &e, &s, &frame, &b, wo, t);
+        if (connects && !tracer_blocked(t, &to.ray)) {
+            tracer_tally(t, to.edges, STRATEGY_EXPLICIT, to.c);
+            sum = rgb_add(sum, to.c);
+        }
+        if (!goes_on)
             return sum;
     }
 }

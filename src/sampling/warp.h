@@ -21,14 +21,12 @@
 INLINE V2 warp_disk_radius(V2 u, float *r)
 {
     float a = (2.0f * u.x - 1.0f) + 0x1p-24f, b = (2.0f * u.y - 1.0f) + 0x1p-24f;
-    float p = fabsf(a), q = fabsf(b), s, c, x, y;
-    bool wide = p > q;
+    float p = fabsf(a), q = fabsf(b), x, y;
 
-    *r = wide ? p : q;
-    m_sincos_turn(0.125f * ((wide ? q : p) / f_max(*r, 0x1p-60f)), &s, &c);     /* to 1/8 turn */
-    x = *r * (wide ? c : s);
-    y = *r * (wide ? s : c);
-    return (V2){ a < 0.0f ? -x : x, b < 0.0f ? -y : y };
+    *r = f_max(p, q);
+    m_sincos_eighth(0.125f * (f_min(p, q) / f_max(*r, 0x1p-60f)), &y, &x);
+    f_exchange_if(q >= p, &x, &y);
+    return (V2){ copysignf(*r * x, a), copysignf(*r * y, b) };
 }
 
 INLINE V2 warp_disk_concentric(V2 u)
@@ -72,15 +70,9 @@ INLINE float warp_sphere_pdf(void) { return 0.25f * INV_PI; }
  * density on a triangle is one over its area. */
 INLINE V3 warp_triangle(V2 u)
 {
-    float x, y;
-    if (u.y > u.x) {
-        x = 0.5f * u.x;
-        y = u.y - x;
-    } else {
-        y = 0.5f * u.y;
-        x = u.x - y;
-    }
-    return (V3){ x, y, 1.0f - f_max(u.x, u.y) };
+    float most = f_max(u.x, u.y), x = 0.5f * f_min(u.x, u.y), y = most - x;
+    f_exchange_if(u.x >= u.y, &x, &y);
+    return (V3){ x, y, 1.0f - most };
 }
 
 /* Inverse of the cumulative tent on [-1, 1], whose density is 1 - |x|. [Shirley91 (5.9)] */

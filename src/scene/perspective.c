@@ -87,7 +87,7 @@ static Ray ray(const Camera *base, V2 pixel, V2 u)
         d = v_sub(v_scale(d, c->focus), on_lens);
         o = affine_point(&c->to_world, on_lens);
     }
-    return (Ray){ o, v_unit(affine_vector(&c->to_world, d)), INFINITY };
+    return (Ray){ .o = o, .d = v_unit(affine_vector(&c->to_world, d)), .tmax = INFINITY };
 }
 
 static const OptDef options[] = {
