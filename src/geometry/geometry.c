@@ -211,15 +211,31 @@ static V3 weighted(V3 a, V3 b, V3 c, float wa, float wb, float wc)
 
 /* The point is interpolated, not taken along the ray: its error is then a few roundings of the
  * corners, however far the ray came from. [PBRT4 6.8.5]: gamma(7) times the sum of the terms. */
-void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err, V3 *n)
+INLINE void point_of(const V3 c[3], float u, float v, V3 *p, V3 *err)
 {
-    const Tri *t = &g->tri[prim];
     float w = f_max(0.0f, 1.0f - u - v);
-    V3 a = g->p[t->v[0]], b = g->p[t->v[1]], c = g->p[t->v[2]];
 
-    *p = weighted(a, b, c, w, u, v);
-    *err = v_scale(weighted(v_abs(a), v_abs(b), v_abs(c), w, u, v), ROUNDINGS(7));
-    *n = v_unit(v_cross(v_sub(b, a), v_sub(c, a)));
+    *p = weighted(c[0], c[1], c[2], w, u, v);
+    *err = v_scale(weighted(v_abs(c[0]), v_abs(c[1]), v_abs(c[2]), w, u, v), ROUNDINGS(7));
+}
+
+INLINE V3 normal_of(const V3 c[3])
+{
+    return v_unit(v_cross(v_sub(c[1], c[0]), v_sub(c[2], c[0])));
+}
+
+void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err)
+{
+    V3 c[3];
+    geometry_corners(g, prim, c);
+    point_of(c, u, v, p, err);
+}
+
+V3 geometry_normal(const Geometry *g, uint32_t prim)
+{
+    V3 c[3];
+    geometry_corners(g, prim, c);
+    return normal_of(c);
 }
 
 static void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
@@ -254,7 +270,11 @@ static bool triangle_normal(const Geometry *g, const Shape *shape, const Hit *h,
 
 static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
 {
-    geometry_point(g, h->prim, h->u, h->v, &s->p, &s->err, &s->ng);
+    V3 c[3];
+
+    geometry_corners(g, h->prim, c);
+    point_of(c, h->u, h->v, &s->p, &s->err);
+    s->ng = normal_of(c);
     if (!shape->plain)
         triangle_uv(g, shape, h, s);
     if (shape->n && triangle_normal(g, shape, h, s))

@@ -101,9 +101,12 @@ typedef struct {
     uint32_t prim;              /* within the shape's geometry */
 } Surface;
 
-/* The point of triangle `prim` with weights u, v of its second and third corner, the bound of its
- * error, and the unit normal by the order of the corners. */
-void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err, V3 *n);
+/* The point of triangle `prim` with weights u, v of its second and third corner, and the bound of
+ * its error. */
+void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err);
+
+/* The unit normal of triangle `prim`, by the order of its corners. */
+V3 geometry_normal(const Geometry *g, uint32_t prim);
 
 /* Surface of a hit on primitive h->prim of g (not an instance), for a ray in the space of g. */
 void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s);

@@ -17,6 +17,7 @@ typedef struct {
     uint32_t geometry, shape;
     float area;
     Table triangles;            /* owned; meshes: by area */
+    V3   *normals;              /* owned; meshes: of each triangle, by the order of its corners */
     float power_wanted;         /* by luminance; 0: L is as given */
 } Area;
 
@@ -50,11 +51,15 @@ static bool prepare_mesh(Area *l, const Shape *s)
     double sum = 0;
     bool ok;
 
-    if (!weight)
+    l->normals = MEM_ARRAY(V3, s->count);
+    if (!weight || !l->normals) {
+        mem_free(weight);
         return false;
+    }
     for (uint32_t i = 0; i < s->count; i++) {
         double a = triangle_area(geometry_of(l), s->first + i);
         weight[i] = (float)a;
+        l->normals[i] = geometry_normal(geometry_of(l), s->first + i);
         sum += a;
     }
     l->area = (float)sum;
@@ -92,7 +97,12 @@ static bool prepare(Light *base, const Scene *scene)
     return true;
 }
 
-static void clear(Light *base) { table_clear(&((Area *)base)->triangles); }
+static void clear(Light *base)
+{
+    Area *l = (Area *)base;
+    table_clear(&l->triangles);
+    mem_free(l->normals);
+}
 
 /* ---- points on shapes; each gives point, error, front normal ---- */
 
@@ -107,7 +117,7 @@ static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
         return false;
     b = warp_triangle(u);
     if (shape->n) {                             /* the file's normals say which side shines */
-        Ray none = { { 0, 0, 0 }, { 0, 0, 1 }, 0 };
+        Ray none = { .d = { 0, 0, 1 } };
         Hit h = { 0, b.y, b.z, NO_PRIM, shape->first + (uint32_t)i };
         Surface sf;
         geometry_surface(g, &none, &h, &sf);
@@ -116,9 +126,8 @@ static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
         s->n = sf.ng;
         return true;
     }
-    geometry_point(g, shape->first + (uint32_t)i, b.y, b.z, &s->p, &s->err, &s->n);
-    if (shape->flip)
-        s->n = v_neg(s->n);
+    geometry_point(g, shape->first + (uint32_t)i, b.y, b.z, &s->p, &s->err);
+    s->n = shape->flip ? v_neg(l->normals[i]) : l->normals[i];
     return true;
 }
 
