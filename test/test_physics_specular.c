@@ -7,8 +7,8 @@
  * cannot be seen: what refraction concentrates on entering, (n2/n1)^2, it spreads on leaving, and
  * Fresnel's reflectance and transmittance add up to 1. Reflection and transmission are chosen by
  * their shares, so not only the mean but every single sample is L, however often light is reflected
- * within. Excepted is a point so near to an edge, half a float step or 3e-8 of the size, that it
- * is rounded into the plane of the next face: its ray may slip out there. */
+ * within. Excepted are rays that meet a face nearer to its edge than rounding can tell; see
+ * meets_edge(). Bodies without edges have no exception. */
 #include "geometry/generate.h"
 #include "sampling/warp.h"
 #include "test/physics.h"
@@ -140,10 +140,86 @@ static Rgb even_sky(V3 w)
 
 static bool nearly(float a, float b) { return fabsf(a / b - 1.0f) <= ROUNDINGS(64); }
 
+/* ---- rays that are lost at an edge ----
+ *
+ * A path that is not L must have met a face, by its own u and v, within
+ *   reach = |err| + 8 roundings of t
+ * of an edge. For there are two ways to lose it, where faces make a right angle or more:
+ * - the point, a sum of the corners, errs by err (7 roundings a coordinate). So near to an edge it
+ *   may come out on the plane of the next face, and ray_origin's step along its own face's normal
+ *   does not take it off that if the faces are at right angles. A ray that goes out through that
+ *   plane starts on it: t is 0, no hit, and it leaves the body unrefracted;
+ * - the ray cuts off the edge: it enters by one face and leaves by the other after a way shorter
+ *   than the two t can tell, each being off by 4 roundings (its own, and 3 of the box that bounds
+ *   it). Of equal t the lower index wins, and where that is the far face it is met from inside
+ *   without having been entered. The way is not shorter than the distance to the edge. */
+static double edge_distance(const Lab *l, const Hit *h)
+{
+    const double weight[3] = { 1.0 - (double)h->u - (double)h->v, h->u, h->v };
+    double least = INFINITY, area2;
+    V3 c[3];
+
+    geometry_corners(&l->scene->geometries[0], h->prim, c);
+    area2 = v_len(v_cross(v_sub(c[1], c[0]), v_sub(c[2], c[0])));
+    for (int k = 0; k < 3; k++) {
+        double d = weight[k] * area2 / v_len(v_sub(c[(k + 2) % 3], c[(k + 1) % 3]));
+        least = d < least ? d : least;
+    }
+    return least;
+}
+
+/* Walks the path of the sample once more: whether it meets a face within reach of an edge. */
+static bool meets_edge(const Lab *l, Tracer *t, Ray r)
+{
+    for (int depth = 0; depth < 100000; depth++) {
+        BsdfSample bs;
+        Surface s;
+        Frame f;
+        Bsdf b;
+        Hit h;
+        V3 wi;
+        if (!tracer_nearest(t, &r, &h))
+            return false;
+        accel_surface(l->scene->accel, &r, &h, &s);
+        if (s.shape->kind == SHAPE_MESH &&
+            edge_distance(l, &h) <= v_len(s.err) + ROUNDINGS(8) * h.t)
+            return true;
+        material_bsdf(&l->scene->materials[s.shape->material], s.uv, &b);
+        f = frame_about(s.ns);
+        if (!b.kind->sample(&b, frame_in(&f, v_neg(r.d)),
+                            sample_1d(&t->sampler, DECISION(DECIDE_LOBE, depth)), (V2){ 0, 0 },
+                            false, &bs))
+            return false;
+        wi = frame_out(&f, bs.wi);
+        r = (Ray){ .o = ray_origin(s.p, s.err, s.ng, wi), .d = wi, .tmax = INFINITY };
+    }
+    return false;
+}
+
+/* How many of n rays may be lost so. Lines that meet a convex body pass a silhouette edge closer
+ * than d with chance d sum of L (pi - angle) / S: an edge of length L is in the silhouette with
+ * chance (pi - angle) / pi, is seen pi L / 4 long, and the body's shadow is S / 4. That is pi d for
+ * the cube, of right angles, and no more for these rays, which are denser in the middle; flatter
+ * edges lose none the first way, and fewer the second. d = 2^-23 + 2^-24: the test of a triangle
+ * takes corners relative to the origin, here numbers below 4 in steps of 2^-22, which moves the ray
+ * by half of one at most; and a weight below 2^-24 is lost against 1. The same again for the few
+ * reflections within, at distances below 1, in steps of a quarter. In all pi 3 2^-23 = 1.1e-6.
+ * Poisson's distribution of mean m is above k with p < m^(k+1) / (k+1)!, which shall be 2e-8: that
+ * gives 4 of 40000 and 11 of 1e6. */
+static uint32_t most_lost(uint32_t n)
+{
+    double m = n * PI * 3 * 0x1p-23, p = m;
+    uint32_t k = 0;
+
+    while (p > 2e-8)
+        p *= m / (++k + 1);
+    return k;
+}
+
 static void expect_unseen(Lab *l, const char *name)
 {
     const SamplerKind *kind = kind_find(samplers, "random");
-    uint32_t n = test_is_long() ? 1000000 : 40000, spp = 1, seen = 0;
+    uint32_t n = test_is_long() ? 1000000 : 40000, spp = 1, seen = 0, lost = 0;
     Rng rng = rng_seed(43);
     Tracer t;
     Opts none;
@@ -162,12 +238,18 @@ static void expect_unseen(Lab *l, const char *name)
         L = l->integrator->kind->radiance(l->integrator, &r, &t);
         if (nearly(L.r, 1) && nearly(L.g, 2) && nearly(L.b, 4))
             continue;
+        if (meets_edge(l, &t, r)) {
+            lost++;
+            continue;
+        }
         if (!seen++) {
             first = r;
             is = L;
         }
     }
-    EXPECT(seen <= 1e-6 * n,
+    EXPECT(lost <= most_lost(n), "%s: %lu of %lu rays are lost at edges, at most %lu may be", name,
+           (unsigned long)lost, (unsigned long)n, (unsigned long)most_lost(n));
+    EXPECT(seen == 0,
            "%s: %lu of %lu rays see it, the first from %.9g %.9g %.9g along %.9g %.9g %.9g: "
            "%.9g %.9g %.9g",
            name, (unsigned long)seen, (unsigned long)n, (double)first.o.x, (double)first.o.y,
@@ -193,10 +275,11 @@ static void invisible(const char *options, bool cells)
     }
 }
 
-static void glass(void) { invisible("maxdepth=100000", false); }
+/* Without roulette: it may end a path whose product is rounded to below 1. */
+static void glass(void) { invisible("maxdepth=100000,roulette=100000", false); }
 static void glass_implicit(void)
 {
-    invisible("maxdepth=100000,strategy=implicit,roulette=50", true);
+    invisible("maxdepth=100000,roulette=100000,strategy=implicit", true);
 }
 
 /* ---- a glossy lobe ---- */
