@@ -43,9 +43,11 @@ double md_pow(double x, double y);
 
 static inline bool is_finite(float x) { return x - x == 0.0f; }
 
-static inline float clamp01(float x) { return x < 0.0f ? 0.0f : x > 1.0f ? 1.0f : x; }
 static inline float f_min(float a, float b) { return a < b ? a : b; }
 static inline float f_max(float a, float b) { return a > b ? a : b; }
+static inline double d_min(double a, double b) { return a < b ? a : b; }
+static inline double d_max(double a, double b) { return a > b ? a : b; }
+static inline float clamp01(float x) { return f_min(f_max(x, 0.0f), 1.0f); }
 static inline float f_sqr(float a) { return a * a; }
 
 /* Exchanges the two, or leaves them: on the bits, without a branch, for conditions that cannot be

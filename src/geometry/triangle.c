@@ -78,7 +78,7 @@ INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, co
     double det = ea + eb + ec, along = v_pick(&r->d, r->kz), plane;
     float t;
 
-    if ((((ea < 0) | (eb < 0) | (ec < 0)) & ((ea > 0) | (eb > 0) | (ec > 0))) | (det == 0))
+    if (((d_min(ea, d_min(eb, ec)) < 0) & (d_max(ea, d_max(eb, ec)) > 0)) | (det == 0))
         return false;
     t = (float)((ea * a.z + eb * b.z + ec * c.z) / (det * along));
     if (!(t > 0.0f))
