@@ -49,7 +49,7 @@ struct Accel {                  /* first member of every concrete structure */
 };
 
 extern const AccelKind *const accels[];         /* ends with NULL */
-#define ACCEL_DEFAULT "bvh"
+#define ACCEL_DEFAULT "wide"
 
 /* Safe to call with an empty geometry. */
 static inline bool accel_nearest(const Accel *a, const Ray *r, Hit *h)

@@ -1,17 +1,18 @@
-/* wide.c -- a tree of up to eight children a node, whose boxes are bytes.
+/* wide.c -- a tree of up to eight children a node.
  *
- * Source      [Wald08] wide nodes from a binary surface area build; [Ylitie17] boxes of children as
- *             bytes relative to their parent's; the triangles of a leaf in lanes side by side.
- * Layout      A node has the lower corner and the step of a lattice of 256 planes on each axis, and
- *             for each child the planes of its box, rounded outwards: one test of eight lanes does
- *             for all. A leaf is a block of up to eight triangles, copied, or one odd primitive.
- * Invariants  The decoded box of a child holds the boxes of all primitives below it: validate()
- *             checks. Each node splits off less than it was given, and below REFS_DEPTH_SAH splits
- *             in half, so depth and stack are bounded whatever the input.
+ * Source      [Wald08] wide nodes from a binary surface area build, tested in lanes side by side.
+ * Layout      A node has the planes of its children's boxes, one lane a child, so that one test
+ *             does for all. A leaf is up to eight triangles, or one odd primitive. The triangles
+ *             are either copied into blocks, one lane a triangle, or a run of `order`, which leads
+ *             to the mesh: a seventh of the memory, half of the speed (leaves=copied, shared; auto
+ *             copies what is small enough to stay in a cache).
+ * Invariants  The box of a child holds the boxes of all primitives below it: validate() checks.
+ *             Below REFS_DEPTH_SAH runs are halved, so depth and stack are bounded whatever the
+ *             input.
  * Order       Of the children that are met the nearest is next and the others wait with their
  *             entries, unsorted: they are dropped when a hit lies before them. Entries are 64-bit
  *             numbers, the bits of the distance above those of the reference, so that comparing
- *             takes no branch: they would be taken at random. */
+ *             takes no branch: it would be taken at random. */
 #include "accel/accel.h"
 #include "accel/prim.h"
 #include "accel/refs.h"
@@ -22,94 +23,49 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 8, LEAF = 8 };
+enum { WIDTH = 8, LEAF = 8, ENOUGH = 2 };
 
-/* What is below: a node, a block of 1 to 8 triangles, or one odd primitive. The two upper bits tell;
- * of a block the next three are the count less 1. */
+/* What is below: a node, a leaf of 1 to 8 triangles, or one odd primitive. The two upper bits tell;
+ * of a leaf the next three are the count less 1, the others its block or where its run begins. */
 typedef uint32_t Below;
-#define BELOW_BLOCK ((Below)2 << 30)
-#define BELOW_ODD   ((Below)3 << 30)
-#define BLOCK_SHIFT 27
-#define MOST_BELOW  ((Below)1 << BLOCK_SHIFT)           /* more nodes or blocks cannot be numbered */
+#define BELOW_LEAF ((Below)2 << 30)
+#define BELOW_ODD  ((Below)3 << 30)
+#define LEAF_SHIFT 27
+#define MOST_PRIMS ((Below)1 << LEAF_SHIFT)             /* more cannot be told apart */
 
 static bool  is_node(Below b) { return b >> 31 == 0; }
 static bool  is_odd(Below b) { return b >> 30 == 3; }
-static int   block_count(Below b) { return (int)(b >> BLOCK_SHIFT & 7) + 1; }
-static Below block_of(Below b) { return b & (MOST_BELOW - 1); }
+static int   leaf_count(Below b) { return (int)(b >> LEAF_SHIFT & 7) + 1; }
+static Below leaf_place(Below b) { return b & (MOST_PRIMS - 1); }
 
 typedef struct {
-    float   origin[3], step[3];         /* plane = origin + byte * step, in float */
-    uint8_t plane[2][3][WIDTH];         /* [lower, upper][axis][child] */
+    float   plane[2][3][WIDTH];         /* [lower, upper][axis][child] */
     Below   child[WIDTH];
     uint8_t present;                    /* bit k: child k exists */
 } Node;
 
 typedef struct {
     Accel base;
-    Node *nodes;                        /* owned */
-    void *memory;                       /* owned; holds the blocks, */
-    TriangleBlock *blocks;              /* which begin at a multiple of 64 in it */
+    void *memory;                       /* owned; holds the nodes and blocks, */
+    Node *nodes;                        /* which begin at multiples of 64 in it */
+    TriangleBlock *blocks;              /* of leaves=copied */
+    uint32_t *order;                    /* owned; of leaves=shared, else NULL */
     size_t nnodes, nblocks;
     Below root;
 } Wide;
 
-/* ---- the lattice of a node ---- */
-
-static float plane_at(const Node *n, int axis, int byte)
+static void set_box(Node *n, int k, Box b)
 {
-    return n->origin[axis] + (float)byte * n->step[axis];
-}
-
-static float next_up(float x)           /* x >= 0 */
-{
-    uint32_t bits;
-    memcpy(&bits, &x, 4);
-    bits++;
-    memcpy(&x, &bits, 4);
-    return x;
-}
-
-/* Beyond the largest float no box can be told from another. */
-static float within(float x) { return f_min(f_max(x, -FLT_MAX), FLT_MAX); }
-
-/* The least step for which plane 255 is not below hi; the roundings of product and sum can ask for
- * one or two floats more than the division says. */
-static void set_lattice(Node *n, int axis, float lo, float hi)
-{
-    float extent = within(hi) - within(lo);
-
-    n->origin[axis] = within(lo);
-    n->step[axis] = is_finite(extent) ? extent / 255.0f
-                                      : within(hi) / 255.0f - within(lo) / 255.0f;
-    while (plane_at(n, axis, 255) < within(hi))
-        n->step[axis] = next_up(n->step[axis]);
-}
-
-/* The planes of child k on the axis, as near as the lattice has them, and not inside. */
-static void set_planes(Node *n, int k, int axis, float lo, float hi)
-{
-    float o = n->origin[axis], s = n->step[axis];
-    int a = s > 0.0f ? (int)f_min((within(lo) - o) / s, 255.0f) : 0;
-    int b = s > 0.0f ? (int)f_min((within(hi) - o) / s, 255.0f) : 0;
-
-    for (a = a < 0 ? 0 : a; a > 0 && plane_at(n, axis, a) > within(lo);)
-        a--;
-    while (a < 255 && plane_at(n, axis, a + 1) <= within(lo))
-        a++;
-    for (b = b < 0 ? 0 : b; b < 255 && plane_at(n, axis, b) < within(hi);)
-        b++;
-    while (b > 0 && plane_at(n, axis, b - 1) >= within(hi))
-        b--;
-    n->plane[0][axis][k] = (uint8_t)a;
-    n->plane[1][axis][k] = (uint8_t)b;
+    for (int axis = 0; axis < 3; axis++) {
+        n->plane[0][axis][k] = v_axis(b.lo, axis);
+        n->plane[1][axis][k] = v_axis(b.hi, axis);
+    }
 }
 
 static Box child_box(const Node *n, int k)
 {
-    return (Box){ v3(plane_at(n, 0, n->plane[0][0][k]), plane_at(n, 1, n->plane[0][1][k]),
-                     plane_at(n, 2, n->plane[0][2][k])),
-                  v3(plane_at(n, 0, n->plane[1][0][k]), plane_at(n, 1, n->plane[1][1][k]),
-                     plane_at(n, 2, n->plane[1][2][k])) };
+    return (Box){ v3(n->plane[0][0][k], n->plane[0][1][k], n->plane[0][2][k]),
+                  v3(n->plane[1][0][k], n->plane[1][1][k], n->plane[1][2][k]) };
 }
 
 /* ---- building ---- */
@@ -160,7 +116,9 @@ static void split_run(const Build *b, Run *r, Run *right)
     *right = run_of(b, first + (uint32_t)k, count - (uint32_t)k, depth);
 }
 
-/* Divides the largest of the runs until there are eight or all are leaves. */
+/* Divides the largest of the runs until there are eight. While there is room, runs are divided that
+ * would fit a leaf: their boxes then keep rays away from most of what they would not hit, and to
+ * look closely at a triangle costs more than to pass over a box. */
 static int divide(const Build *b, Run run[WIDTH])
 {
     int n = 1;
@@ -168,7 +126,7 @@ static int divide(const Build *b, Run run[WIDTH])
     while (n < WIDTH) {
         int at = -1;
         for (int k = 0; k < n; k++)
-            if (!fits_leaf(b, &run[k]) &&
+            if ((run[k].count > ENOUGH || !fits_leaf(b, &run[k])) &&
                 (at < 0 || box_area(run[k].box) > box_area(run[at].box)))
                 at = k;
         if (at < 0)
@@ -180,22 +138,29 @@ static int divide(const Build *b, Run run[WIDTH])
 
 static bool make_leaf(Build *b, const Run *r, Below *below)
 {
-    const Geometry *g = b->wide->base.geo;
+    Wide *w = b->wide;
+    const Ref *refs = b->refs + r->first;
     uint32_t prims[LEAF];
 
-    b->wide->base.leaves++;
-    if (r->depth > b->wide->base.depth)
-        b->wide->base.depth = r->depth;
-    if (!geometry_is_tri(g, b->refs[r->first].prim)) {
-        *below = BELOW_ODD | b->refs[r->first].prim;
+    w->base.leaves++;
+    if (r->depth > w->base.depth)
+        w->base.depth = r->depth;
+    if (!geometry_is_tri(w->base.geo, refs[0].prim)) {
+        *below = BELOW_ODD | refs[0].prim;
+        return true;
+    }
+    for (uint32_t i = 0; i < r->count; i++)
+        prims[i] = refs[i].prim;
+    *below = BELOW_LEAF | (r->count - 1) << LEAF_SHIFT;
+    if (w->order) {
+        *below |= r->first;
+        memcpy(w->order + r->first, prims, r->count * sizeof prims[0]);
         return true;
     }
     if (!mem_grow(&b->blocks, &b->cap_blocks, b->nblocks + 1, sizeof *b->blocks))
         return false;
-    for (uint32_t i = 0; i < r->count; i++)
-        prims[i] = b->refs[r->first + i].prim;
-    triangle_block_init(&b->blocks[b->nblocks], g, prims, (int)r->count);
-    *below = BELOW_BLOCK | (r->count - 1) << BLOCK_SHIFT | (Below)b->nblocks++;
+    *below |= (Below)b->nblocks;
+    triangle_block_init(&b->blocks[b->nblocks++], w->base.geo, prims, (int)r->count);
     return true;
 }
 
@@ -221,11 +186,8 @@ static bool make_node(Build *b, const Run *whole, Below *below)
     b->nnodes++;
     memset(&node, 0, sizeof node);
     node.present = (uint8_t)((1 << n) - 1);
-    for (int axis = 0; axis < 3; axis++) {
-        set_lattice(&node, axis, v_axis(whole->box.lo, axis), v_axis(whole->box.hi, axis));
-        for (int k = 0; k < n; k++)
-            set_planes(&node, k, axis, v_axis(run[k].box.lo, axis), v_axis(run[k].box.hi, axis));
-    }
+    for (int k = 0; k < n; k++)
+        set_box(&node, k, run[k].box);
     for (int k = 0; k < n; k++)
         if (!make_below(b, &run[k], &node.child[k]))
             return false;
@@ -234,34 +196,45 @@ static bool make_node(Build *b, const Run *whole, Below *below)
     return true;
 }
 
-/* Moves the blocks to memory of just their size, each at the begin of a line of the cache. */
+/* Moves nodes and blocks to memory of just their size, at begins of the cache's lines. */
 static bool settle(Build *b)
 {
     Wide *w = b->wide;
-    size_t bytes = b->nblocks * sizeof *b->blocks;
+    size_t nodes = b->nnodes * sizeof(Node), blocks = b->nblocks * sizeof(TriangleBlock);
+    char *at;
 
-    w->nodes = MEM_ARRAY(Node, b->nnodes);
-    w->memory = mem_array(bytes + 63, 1);
-    if (!w->nodes || !w->memory)
+    w->memory = mem_array(nodes + blocks + 63, 1);
+    if (!w->memory)
         return false;
-    w->blocks = (TriangleBlock *)((char *)w->memory + (64 - (uintptr_t)w->memory % 64) % 64);
-    if (b->nblocks)
-        memcpy(w->blocks, b->blocks, bytes);
-    if (b->nnodes)
-        memcpy(w->nodes, b->nodes, b->nnodes * sizeof(Node));
+    at = (char *)w->memory + (64 - (uintptr_t)w->memory % 64) % 64;
+    w->nodes = (Node *)(void *)at;
+    w->blocks = (TriangleBlock *)(void *)(at + nodes);
+    if (nodes)
+        memcpy(w->nodes, b->nodes, nodes);
+    if (blocks)
+        memcpy(w->blocks, b->blocks, blocks);
     w->nnodes = b->nnodes;
     w->nblocks = b->nblocks;
     w->base.nodes = b->nnodes;
-    w->base.bytes = sizeof *w + b->nnodes * sizeof(Node) + bytes;
+    w->base.bytes = sizeof *w + nodes + blocks +
+                    (w->order ? geometry_prims(w->base.geo) * sizeof(uint32_t) : 0);
     return true;
 }
 
 static void drop(Accel *a)
 {
     Wide *w = (Wide *)a;
-    mem_free(w->nodes);
     mem_free(w->memory);
+    mem_free(w->order);
     mem_free(w);
+}
+
+/* Blocks of this many triangles, about 6 MB, stay in the caches of today's processors. */
+enum { COPIED_MOST = 1 << 16 };
+
+static bool shares(const Geometry *g, const Opts *o)
+{
+    return opt_is(o, "leaves", "shared") || (opt_is(o, "leaves", "auto") && g->ntris > COPIED_MOST);
 }
 
 static Accel *build(const Geometry *g, const Opts *o, int threads)
@@ -270,13 +243,23 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
     Build b = { MEM_NEW(Wide), NULL, NULL, NULL, 0, 0, 0, 0 };
     bool ok = false;
 
-    (void)o;
     (void)threads;
     if (!b.wide)
         return NULL;
     b.wide->base.geo = g;
+    if (n >= MOST_PRIMS) {
+        err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"wide\", "
+               "expected less than %lu", (unsigned long)n, (unsigned long)MOST_PRIMS);
+        drop(&b.wide->base);
+        return NULL;
+    }
     b.refs = MEM_ARRAY(Ref, n);
-    if (b.refs) {
+    ok = b.refs != NULL;
+    if (ok && shares(g, o)) {
+        b.wide->order = MEM_ARRAY(uint32_t, n);
+        ok = b.wide->order != NULL;
+    }
+    if (ok) {
         Run all;
         refs_init(b.refs, g);
         all = run_of(&b, 0, n, 0);
@@ -298,35 +281,41 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
 enum { STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) };
 
 typedef struct {
-    F8  o[3], inv[3];
-    int near[3];                        /* which of the two planes is met first: 0, 1 */
+    F8     o[3], inv[3];
+    int near[3], far[3];                /* where in a node the planes stand that are met first and last */
 } NodeProbe;
 
-INLINE void node_probe_init(NodeProbe *q, const Probe *p)
+INLINE void node_probe_axis(NodeProbe *q, int k, float o, float d)
 {
-    for (int k = 0; k < 3; k++) {
-        q->o[k] = f8_all((&p->o.x)[k]);
-        q->inv[k] = f8_all((&p->inv.x)[k]);
-        q->near[k] = p->neg[k];
-    }
+    float inv = 1.0f / d;
+    q->o[k] = f8_all(o);
+    q->inv[k] = f8_all(inv);
+    q->near[k] = k * WIDTH + (inv < 0.0f) * (3 * WIDTH);
+    q->far[k] = k * WIDTH + (inv >= 0.0f) * (3 * WIDTH);
+}
+
+INLINE void node_probe_init(NodeProbe *q, const Ray *r)
+{
+    node_probe_axis(q, 0, r->o.x, r->d.x);
+    node_probe_axis(q, 1, r->o.y, r->d.y);
+    node_probe_axis(q, 2, r->o.z, r->d.z);
 }
 
 /* Bit k: the ray enters the box of child k before it leaves it and not beyond tmax, near[k] says
  * where. The arithmetic of each lane is that of slabs() in geometry/ray.h. */
 INLINE int node_enter(const NodeProbe *q, const Node *n, float tmax, float near[WIDTH])
 {
+    const float *planes = n->plane[0][0];
     F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
 
     for (int k = 0; k < 3; k++) {
-        F8 origin = f8_all(n->origin[k]), step = f8_all(n->step[k]);
-        F8 a = f8_add(origin, f8_mul(f8_bytes(n->plane[q->near[k]][k]), step));
-        F8 b = f8_add(origin, f8_mul(f8_bytes(n->plane[1 - q->near[k]][k]), step));
+        F8 a = f8_load(planes + q->near[k]), b = f8_load(planes + q->far[k]);
         enter = f8_max(f8_mul(f8_sub(a, q->o[k]), q->inv[k]), enter);
         leave = f8_min(f8_mul(f8_sub(b, q->o[k]), q->inv[k]), leave);
     }
-    leave = f8_min(f8_mul(leave, f8_all(SLAB_WIDEN)), f8_all(tmax));
     f8_store(near, enter);
-    return f8_at_most(enter, leave) & n->present;
+    return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
+           f8_at_most(enter, f8_all(tmax)) & n->present;
 }
 
 /* What waits: the bits of the distance, then the reference. Distances are not negative, so their
@@ -350,18 +339,20 @@ INLINE float waiting_near(Waiting w)
 INLINE void leaf_nearest(const Wide *w, Below at, const Ray *r, const Probe *p, Hit *best,
                          Steps *steps)
 {
-    const TriangleBlock *b;
-    BlockView v;
-    int n, bits;
+    Below place = leaf_place(at);
+    int n = leaf_count(at);
 
-    if (UNLIKELY(is_odd(at))) {
+    if (UNLIKELY(is_odd(at)))
         odd_nearest(w->base.geo, at & ~BELOW_ODD, r, p, best, steps);
-        return;
+    else if (w->order)
+        for (int i = 0; i < n; i++)
+            triangle_nearest(w->base.geo, w->order[place + (Below)i], p, best);
+    else {
+        BlockView v;
+        int bits = triangle_block_test(&w->blocks[place], n, p, &v);
+        for (; bits; bits &= bits - 1)
+            triangle_block_accept(&w->blocks[place], LOWEST_BIT(bits), p, &v, best);
     }
-    b = &w->blocks[block_of(at)];
-    n = block_count(at);
-    for (bits = triangle_block_test(b, n, p, &v); bits; bits &= bits - 1)
-        triangle_block_accept(b, LOWEST_BIT(bits), p, &v, best);
 }
 
 /* `steps` is NULL in all calls but one, and then the counting costs nothing. */
@@ -374,7 +365,7 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
     Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
 
     probe_init(&p, r);
-    node_probe_init(&q, &p);
+    node_probe_init(&q, r);
     for (;;) {
         if (is_node(at)) {
             const Node *n = w->nodes + at;
@@ -397,7 +388,7 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
             }
         } else {
             if (steps)
-                steps->prims += is_odd(at) ? 1 : (uint64_t)block_count(at);
+                steps->prims += is_odd(at) ? 1 : (uint64_t)leaf_count(at);
             leaf_nearest(w, at, r, &p, &best, steps);
         }
         do {
@@ -415,21 +406,14 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
 
 INLINE bool leaf_blocks(const Wide *w, Below at, const Ray *r, const Probe *p, Steps *steps)
 {
-    const TriangleBlock *b;
-    BlockView v;
     Hit h;
-    int n, bits;
 
     if (UNLIKELY(is_odd(at)))
         return odd_blocks(w->base.geo, at & ~BELOW_ODD, r, p, steps);
-    b = &w->blocks[block_of(at)];
-    n = block_count(at);
     h.t = r->tmax;
     h.outer = NO_PRIM;
-    for (bits = triangle_block_test(b, n, p, &v); bits; bits &= bits - 1)
-        if (triangle_block_accept(b, LOWEST_BIT(bits), p, &v, &h))
-            return true;
-    return false;
+    leaf_nearest(w, at, r, p, &h, steps);
+    return h.outer != NO_PRIM;
 }
 
 INLINE bool blocked_steps(const Wide *w, const Ray *r, Steps *steps)
@@ -439,7 +423,7 @@ INLINE bool blocked_steps(const Wide *w, const Ray *r, Steps *steps)
     Probe p;
 
     probe_init(&p, r);
-    node_probe_init(&q, &p);
+    node_probe_init(&q, r);
     for (;;) {
         if (is_node(at)) {
             const Node *n = w->nodes + at;
@@ -451,7 +435,7 @@ INLINE bool blocked_steps(const Wide *w, const Ray *r, Steps *steps)
                 *top++ = n->child[LOWEST_BIT(bits)];
         } else {
             if (steps)
-                steps->prims += is_odd(at) ? 1 : (uint64_t)block_count(at);
+                steps->prims += is_odd(at) ? 1 : (uint64_t)leaf_count(at);
             if (leaf_blocks(w, at, r, &p, steps))
                 return true;
         }
@@ -502,24 +486,37 @@ static bool check_prim(Check *c, uint32_t prim, Box box)
     return true;
 }
 
-static bool check_block(Check *c, Below at, Box box)
+/* The copies of triangle `prim` in lane k are its corners. */
+static bool check_lane(Check *c, const TriangleBlock *b, int k, uint32_t prim)
+{
+    V3 corner[3];
+
+    geometry_corners(c->wide->base.geo, prim, corner);
+    for (int i = 0; i < 3; i++)
+        for (int axis = 0; axis < 3; axis++)
+            if (b->p[i][axis][k] != v_axis(corner[i], axis))
+                return bad(c->why, c->room, "a corner is not the triangle's", prim);
+    return true;
+}
+
+static bool check_leaf(Check *c, Below at, Box box)
 {
     const Wide *w = c->wide;
-    const TriangleBlock *b;
+    uint32_t n = geometry_prims(w->base.geo);
+    Below place = leaf_place(at);
+    int count = leaf_count(at);
 
-    if (block_of(at) >= w->nblocks)
-        return bad(c->why, c->room, "a block that does not exist", block_of(at));
-    b = &w->blocks[block_of(at)];
-    c->blocks++;
-    for (int k = 0; k < block_count(at); k++) {
-        V3 corner[3];
-        if (!geometry_is_tri(w->base.geo, b->prim[k]) || !check_prim(c, b->prim[k], box))
-            return bad(c->why, c->room, "a wrong triangle in the block", block_of(at));
-        geometry_corners(w->base.geo, b->prim[k], corner);
-        for (int i = 0; i < 3; i++)
-            for (int axis = 0; axis < 3; axis++)
-                if (b->p[i][axis][k] != v_axis(corner[i], axis))
-                    return bad(c->why, c->room, "a corner is not the triangle's", b->prim[k]);
+    if (w->order ? place + (Below)count > n : place >= w->nblocks)
+        return bad(c->why, c->room, "a leaf that does not exist", place);
+    c->blocks += !w->order;
+    for (int k = 0; k < count; k++) {
+        uint32_t prim = w->order ? w->order[place + (Below)k] : w->blocks[place].prim[k];
+        if (!check_prim(c, prim, box))
+            return false;
+        if (!geometry_is_tri(w->base.geo, prim))
+            return bad(c->why, c->room, "an odd primitive among triangles", prim);
+        if (!w->order && !check_lane(c, &w->blocks[place], k, prim))
+            return false;
     }
     return true;
 }
@@ -533,7 +530,7 @@ static bool check_below(Check *c, Below at, Box box, size_t least)
     if (is_odd(at))
         return check_prim(c, at & ~BELOW_ODD, box);
     if (!is_node(at))
-        return check_block(c, at, box);
+        return check_leaf(c, at, box);
     if (at >= w->nnodes || at < least)
         return bad(c->why, c->room, "a node out of range", at);
     n = &w->nodes[at];
@@ -563,11 +560,12 @@ static bool validate(const Accel *a, char *why, size_t room)
 }
 
 static const OptDef options[] = {
+    { .key = "leaves", .type = OPT_CHOICE, .str = "auto", .choices = "auto copied shared",
+      .help = "copies of triangles are faster, sharing them with the mesh takes less memory" },
     { .key = NULL }
 };
 
 const AccelKind accel_wide = {
-    .info = { "wide", "Wald08; Ylitie17", "tree of eight children a node, boxes in bytes",
-              options },
+    .info = { "wide", "Wald08", "tree of up to eight children a node: the fastest", options },
     .build = build, .nearest = nearest, .blocked = blocked, .validate = validate, .free = drop
 };

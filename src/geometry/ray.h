@@ -63,8 +63,6 @@ typedef struct {
     V3  d;                      /* as it was given */
 } Probe;
 
-static const int NEXT_AXIS[3] = { 1, 2, 0 };
-
 /* In place: a Probe by value would be copied whole just after its parts were written, for which
  * processors wait. No branches either: they would be taken at random. */
 INLINE void probe_init(Probe *p, const Ray *r)
@@ -81,8 +79,8 @@ INLINE void probe_init(Probe *p, const Ray *r)
     p->neg[1] = iy < 0.0f;
     p->neg[2] = iz < 0.0f;
     p->kz = ((ay > ax) & (top - 1)) | top << 1;
-    p->kx = NEXT_AXIS[p->kz];
-    p->ky = NEXT_AXIS[p->kx];
+    p->kx = 9 >> 2 * p->kz & 3;         /* 1, 2, 0 */
+    p->ky = 18 >> 2 * p->kz & 3;        /* 2, 0, 1 */
     p->sz = (&p->inv.x)[p->kz];
     p->sx = d[p->kx] * p->sz;
     p->sy = d[p->ky] * p->sz;
