@@ -23,7 +23,7 @@ typedef struct {
     Accel *(*build)(const Geometry *g, const Opts *o, int threads);
 
     /* The nearest hit with 0 < t <= r->tmax; of equal t the smaller primitive. No hit: false, *h
-     * untouched. steps may be NULL; else counts are added. */
+     * = hit_none. steps may be NULL; else counts are added. */
     bool (*nearest)(const Accel *a, const Ray *r, Hit *h, Steps *steps);
 
     /* True if anything lies in 0 < t <= r->tmax. May stop at the first one found. */

@@ -19,17 +19,14 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
 static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
 {
     Probe p;
-    Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
 
+    hit_none(h, r->tmax);
     probe_init(&p, r);
     for (uint32_t i = 0; i < geometry_prims(a->geo); i++)
-        prim_nearest(a->geo, i, r, &p, &best, steps);
+        prim_nearest(a->geo, i, r, &p, h, steps);
     if (steps)
         steps->prims += geometry_prims(a->geo);
-    if (best.outer == NO_PRIM)
-        return false;
-    *h = best;
-    return true;
+    return h->outer != NO_PRIM;
 }
 
 static bool blocked(const Accel *a, const Ray *r, Steps *steps)

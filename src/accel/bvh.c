@@ -210,10 +210,10 @@ typedef struct {
 INLINE void pair_probe_init(PairProbe *q, const Probe *p)
 {
     for (int k = 0; k < 3; k++) {
-        float o = (&p->o.x)[k], i = (&p->inv.x)[k];
+        float o = (&p->ray->o.x)[k], i = (&p->inv.x)[k];
         q->o[k] = f4(o, o, o, o);
         q->inv[k] = f4(i, i, -i, -i);
-        q->turn[k] = f4_turn_if(p->neg[k]);
+        q->turn[k] = f4_turn_if(i < 0.0f);
     }
     q->widen = f4(1.0f, 1.0f, SLAB_WIDEN, SLAB_WIDEN);
 }
@@ -242,9 +242,9 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
     Waiting stack[STACK], *top = stack;
     Probe p;
     PairProbe q;
-    Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
     Link link = b->root;
 
+    hit_none(h, r->tmax);
     probe_init(&p, r);
     pair_probe_init(&q, &p);
     for (;;) {
@@ -253,7 +253,7 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
         if (link.count == 0) {
             const Pair *pair = b->pairs + link.first;
             F4 near;
-            int hits = pair_enter(&q, pair, best.t, &near);
+            int hits = pair_enter(&q, pair, h->t, &near);
             if (hits == 3) {
                 float left = f4_lane(near, 0), right = f4_lane(near, 1);
                 int first = right < left;
@@ -270,17 +270,13 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
             if (steps)
                 steps->prims += link.count;
             for (uint32_t i = link.first; i < link.first + link.count; i++)
-                prim_nearest(g, b->order[i], r, &p, &best, steps);
+                prim_nearest(g, b->order[i], r, &p, h, steps);
         }
         do {
-            if (top == stack) {
-                if (best.outer == NO_PRIM)
-                    return false;
-                *h = best;
-                return true;
-            }
+            if (top == stack)
+                return h->outer != NO_PRIM;
             top--;
-        } while (top->near > best.t);
+        } while (top->near > h->t);
         link = top->link;
     }
 }
@@ -328,7 +324,7 @@ static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
 {
     const Bvh *b = (const Bvh *)a;
     if (UNLIKELY(a->nodes == 0))
-        return false;
+        return hit_none(h, r->tmax);
     return UNLIKELY(steps != NULL) ? nearest_steps(b, r, h, steps) : nearest_steps(b, r, h, NULL);
 }
 

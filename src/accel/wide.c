@@ -41,8 +41,10 @@ static Below leaf_place(Below b) { return b & (MOST_PRIMS - 1); }
 typedef struct {
     float   plane[2][3][WIDTH];         /* [lower, upper][axis][child] */
     Below   child[WIDTH];
-    uint8_t present;                    /* bit k: child k exists */
+    uint32_t present;                   /* bit k: child k exists */
+    uint32_t unused[7];
 } Node;
+typedef char node_fills_four_lines[sizeof(Node) == 256 ? 1 : -1];
 
 typedef struct {
     Accel base;
@@ -185,7 +187,7 @@ static bool make_node(Build *b, const Run *whole, Below *below)
         return false;
     b->nnodes++;
     memset(&node, 0, sizeof node);
-    node.present = (uint8_t)((1 << n) - 1);
+    node.present = (1u << n) - 1;
     for (int k = 0; k < n; k++)
         set_box(&node, k, run[k].box);
     for (int k = 0; k < n; k++)
@@ -315,7 +317,7 @@ INLINE int node_enter(const NodeProbe *q, const Node *n, float tmax, float near[
     }
     f8_store(near, enter);
     return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
-           f8_at_most(enter, f8_all(tmax)) & n->present;
+           f8_at_most(enter, f8_all(tmax)) & (int)n->present;
 }
 
 /* What waits: the bits of the distance, then the reference. Distances are not negative, so their
@@ -362,15 +364,15 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
     Below at = w->root;
     NodeProbe q;
     Probe p;
-    Hit best = { r->tmax, 0, 0, NO_PRIM, NO_PRIM };
 
+    hit_none(h, r->tmax);
     probe_init(&p, r);
     node_probe_init(&q, r);
     for (;;) {
         if (is_node(at)) {
             const Node *n = w->nodes + at;
             float near[WIDTH];
-            int bits = node_enter(&q, n, best.t, near), k;
+            int bits = node_enter(&q, n, h->t, near), k;
             if (steps)
                 steps->nodes++;
             if (bits) {
@@ -389,17 +391,13 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
         } else {
             if (steps)
                 steps->prims += is_odd(at) ? 1 : (uint64_t)leaf_count(at);
-            leaf_nearest(w, at, r, &p, &best, steps);
+            leaf_nearest(w, at, r, &p, h, steps);
         }
         do {
-            if (top == stack) {
-                if (best.outer == NO_PRIM)
-                    return false;
-                *h = best;
-                return true;
-            }
+            if (top == stack)
+                return h->outer != NO_PRIM;
             next = *--top;
-        } while (waiting_near(next) > best.t);
+        } while (waiting_near(next) > h->t);
         at = (Below)next;
     }
 }
@@ -449,7 +447,7 @@ static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
 {
     const Wide *w = (const Wide *)a;
     if (UNLIKELY(a->leaves == 0))
-        return false;
+        return hit_none(h, r->tmax);
     return UNLIKELY(steps != NULL) ? nearest_steps(w, r, h, steps) : nearest_steps(w, r, h, NULL);
 }
 

@@ -17,6 +17,14 @@ typedef struct { V3 o; float tmax; V3 d; } Ray;
  * weights of the second and third corner of a triangle; unused for other primitives. */
 typedef struct { float t, u, v; uint32_t outer, prim; } Hit;
 
+/* Nothing met so far, and nothing beyond tmax is looked for. */
+INLINE bool hit_none(Hit *h, float tmax)
+{
+    h->t = tmax;
+    h->outer = NO_PRIM;
+    return false;
+}
+
 /* The origin of a ray that leaves the surface at p towards w. err bounds the error of each
  * coordinate of p, so the true point lies within e = |n| . err of p along n; p is moved by that
  * much (and by the rounding of the move, 2u |p|) to the side that w is on, and so never stands on
@@ -51,16 +59,14 @@ INLINE Ray ray_between(V3 a, V3 a_err, V3 a_n, V3 b, V3 b_err, V3 b_n, V3 w)
 
 /* ---- boxes ---- */
 
-/* The ray as the tests of boxes and triangles want it. For boxes: the inverse direction and, for
- * each axis, whether the near plane is the lower (0) or the upper (1) one. For triangles: axes
- * permuted and sheared so that the ray runs along +z, see triangle.h. */
+/* The ray as the tests of boxes and triangles want it. For boxes: the inverse direction. For
+ * triangles: axes permuted and sheared so that the ray runs along +z, see triangle.h. */
 typedef struct {
-    V3  o, inv;
-    int neg[3];
+    const Ray *ray;             /* borrowed */
+    V3  inv;
     int kx, ky, kz;
     float sx, sy, sz;
     float ox, oy, oz;           /* the origin, permuted */
-    V3  d;                      /* as it was given */
 } Probe;
 
 /* In place: a Probe by value would be copied whole just after its parts were written, for which
@@ -72,12 +78,8 @@ INLINE void probe_init(Probe *p, const Ray *r)
     float ix = 1.0f / r->d.x, iy = 1.0f / r->d.y, iz = 1.0f / r->d.z;
     int top = az > f_max(ax, ay);
 
-    p->o = r->o;
-    p->d = r->d;
+    p->ray = r;
     p->inv = v3(ix, iy, iz);
-    p->neg[0] = ix < 0.0f;
-    p->neg[1] = iy < 0.0f;
-    p->neg[2] = iz < 0.0f;
     p->kz = ((ay > ax) & (top - 1)) | top << 1;
     p->kx = 9 >> 2 * p->kz & 3;         /* 1, 2, 0 */
     p->ky = 18 >> 2 * p->kz & 3;        /* 2, 0, 1 */
@@ -105,10 +107,11 @@ INLINE void probe_init(Probe *p, const Ray *r)
 #define SLAB_WIDEN (1.0f + ROUNDINGS(26))
 INLINE bool slabs(const Probe *p, const float *b, float tmax, float *near, float *far)
 {
-    int x = p->neg[0] << 2, y = p->neg[1] << 2, z = p->neg[2] << 2;
-    float nx = (b[0 + x] - p->o.x) * p->inv.x, fx = (b[4 - x] - p->o.x) * p->inv.x;
-    float ny = (b[1 + y] - p->o.y) * p->inv.y, fy = (b[5 - y] - p->o.y) * p->inv.y;
-    float nz = (b[2 + z] - p->o.z) * p->inv.z, fz = (b[6 - z] - p->o.z) * p->inv.z;
+    V3 o = p->ray->o;
+    int x = (p->inv.x < 0.0f) << 2, y = (p->inv.y < 0.0f) << 2, z = (p->inv.z < 0.0f) << 2;
+    float nx = (b[0 + x] - o.x) * p->inv.x, fx = (b[4 - x] - o.x) * p->inv.x;
+    float ny = (b[1 + y] - o.y) * p->inv.y, fy = (b[5 - y] - o.y) * p->inv.y;
+    float nz = (b[2 + z] - o.z) * p->inv.z, fz = (b[6 - z] - o.z) * p->inv.z;
     float n = 0.0f, f = INFINITY;
 
     n = nx > n ? nx : n;

@@ -21,9 +21,9 @@ static double plane_t(const Probe *r, V3 a, V3 b, V3 c)
     double ux = (double)b.x - a.x, uy = (double)b.y - a.y, uz = (double)b.z - a.z;
     double vx = (double)c.x - a.x, vy = (double)c.y - a.y, vz = (double)c.z - a.z;
     double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    double away = nx * ((double)a.x - r->o.x) + ny * ((double)a.y - r->o.y) +
-                  nz * ((double)a.z - r->o.z);
-    return away / (nx * r->d.x + ny * r->d.y + nz * r->d.z);
+    V3 o = r->ray->o, d = r->ray->d;
+    double away = nx * ((double)a.x - o.x) + ny * ((double)a.y - o.y) + nz * ((double)a.z - o.z);
+    return away / (nx * d.x + ny * d.y + nz * d.z);
 }
 
 /* Where the line x = 0 crosses the edge from (x0, z0) to (x1, z1), if it does: *least becomes the
@@ -75,7 +75,7 @@ INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, co
     double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
     double eb = (double)a.x * c.y - (double)a.y * c.x;
     double ec = (double)b.x * a.y - (double)b.y * a.x;
-    double det = ea + eb + ec, along = v_pick(&r->d, r->kz), plane;
+    double det = ea + eb + ec, along = v_pick(&r->ray->d, r->kz), plane;
     float t;
 
     if (((d_min(ea, d_min(eb, ec)) < 0) & (d_max(ea, d_max(eb, ec)) > 0)) | (det == 0))

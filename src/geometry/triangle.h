@@ -54,7 +54,8 @@ INLINE BoxF4 triangle_box_f4(F4 a, F4 b, F4 c)
  * exit. */
 INLINE bool hit_in_box(const Probe *p, BoxF4 b, float *t)
 {
-    F4 o = f4(p->o.x, p->o.y, p->o.z, 0.0f), inv = f4(p->inv.x, p->inv.y, p->inv.z, 0.0f);
+    V3 at = p->ray->o;
+    F4 o = f4(at.x, at.y, at.z, 0.0f), inv = f4(p->inv.x, p->inv.y, p->inv.z, 0.0f);
     F4 n = f4_mul(f4_sub(f4_if_negative(inv, b.hi, b.lo), o), inv);
     F4 f = f4_mul(f4_sub(f4_if_negative(inv, b.lo, b.hi), o), inv);
     float near = f4_max_three(f4_max(n, f4_all(0.0f)));
