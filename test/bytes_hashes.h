@@ -9,6 +9,7 @@
     { "lightsampler/uniform", 0xB776171C8CB70960 },
     { "accelerator/brute", 0x46B454B88D37F15F },
     { "accelerator/bvh", 0x46B454B88D37F15F },
+    { "accelerator/wide", 0x46B454B88D37F15F },
     { "material/diffuse", 0xC08F4A6EE222FB2A },
     { "material/phong", 0xE08B7C31D1716811 },
     { "material/mirror", 0x855A3638D7EE4FA9 },

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define SUITES(X) X(maths) X(number) X(base) X(sampling) X(bsdf) X(image) X(image_png) \
+#define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(image) X(image_png) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(scenefile) X(scenefile_errors) X(scenefile_things) \
     X(scenefile_shapes) X(scenefile_hostile) \

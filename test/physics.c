@@ -407,7 +407,11 @@ Ray ray_fixed(const void *of, Sampler *s)
 
 Ray ray_anywhere(const void *of, Sampler *s)
 {
-    return (Ray){ .o = *(const V3 *)of, .d = warp_sphere(sample_2d(s, DECISION(DECIDE_PIXEL, 0))), .tmax = INFINITY };
+    V3 d = warp_sphere(sample_2d(s, DECISION(DECIDE_PIXEL, 0)));
+    return (Ray){ .o = *(const V3 *)of, .d = d, .tmax = INFINITY };
 }
 
-Ray ray_towards(V3 eye, V3 at) { return (Ray){ .o = eye, .d = v_unit(v_sub(at, eye)), .tmax = INFINITY }; }
+Ray ray_towards(V3 eye, V3 at)
+{
+    return (Ray){ .o = eye, .d = v_unit(v_sub(at, eye)), .tmax = INFINITY };
+}

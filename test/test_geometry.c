@@ -172,7 +172,7 @@ static void triangle_errors(void)
 
     for (uint32_t i = 0; i < 100000; i++) {
         const Where *at = &places_sane[i % PLACES_SANE];
-        V3 c[3], w = rng_barycentric(&rng), p, err, n;
+        V3 c[3], w = rng_barycentric(&rng), p, err;
         Box unit = { { -1, -1, -1 }, { 1, 1, 1 } };
         Tri tri = { { 0, 1, 2 } };
         double sum;
@@ -190,7 +190,7 @@ static void triangle_errors(void)
         memset(&g, 0, sizeof g);
         g.p = c;
         g.tri = &tri;
-        geometry_point(&g, 0, w.y, w.z, &p, &err, &n);
+        geometry_point(&g, 0, w.y, w.z, &p, &err);
         normal = d3_cross(d3_sub(d3(c[1]), d3(c[0])), d3_sub(d3(c[2]), d3(c[0])));
         off += !(fabs(d3_dot(normal, d3_sub(d3(p), d3(c[0])))) <= d3_reach(normal, d3(err)));
         q = (D3){ p.x - ((double)w.x * c[0].x + (double)w.y * c[1].x + (double)w.z * c[2].x) / sum,

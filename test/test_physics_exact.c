@@ -62,7 +62,8 @@ static void radiance(void *of, Sampler *s, double *values)
 
 static void radiance_mean(Lab *l, Ray ray, int length, Enumeration *e, double *mean)
 {
-    Seen x = { NULL, { { 0, 0, 0 }, { 0, 0, 0 }, 0 }, 0 };
+    Seen x;
+
     x.lab = l;
     x.ray = ray;
     x.length = length;

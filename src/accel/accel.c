@@ -44,7 +44,8 @@ void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n)
 /* The direction is not made unit again, so t means the same in both spaces. */
 static Ray into_instance(const Instance *in, const Ray *r, float tmax)
 {
-    return (Ray){ .o = affine_point(&in->to_object, r->o), .d = affine_vector(&in->to_object, r->d), .tmax = tmax };
+    return (Ray){ .o = affine_point(&in->to_object, r->o),
+                  .d = affine_vector(&in->to_object, r->d), .tmax = tmax };
 }
 
 /* Where the ray enters the instance's bounds; false: not before tmax, or beyond all floats. */

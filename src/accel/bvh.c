@@ -6,7 +6,8 @@
  *             that one test of four lanes does for both, then where each leads. The primitives of a
  *             leaf are a run of `order`.
  * Invariants  The box of a node holds the boxes of all primitives below it: validate() checks.
- *             Depth is at most REFS_DEPTH_SAH + 32, whatever the input: below that nodes are halved.
+ *             Depth is at most REFS_DEPTH_SAH + 32, whatever the input: below that nodes are
+ *             halved.
  * Departs     [Cline07] stores two child pointers; siblings need one, which leaves room for the
  *             count of a leaf. Leaves hold up to `leaf` primitives instead of one. */
 #include "accel/accel.h"

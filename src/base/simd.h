@@ -7,7 +7,6 @@
 #include "base/platform.h"
 
 #include <math.h>
-#include <stdint.h>
 
 #if defined(__GNUC__) && defined(__SSE__) && !defined(RUSHLIGHT_PLAIN)
 
@@ -80,7 +79,11 @@ INLINE F4 f4_mul(F4 a, F4 b) { F4_EACH(a, a.v[k] * b.v[k]); return a; }
 INLINE F4 f4_max(F4 a, F4 b) { F4_EACH(a, a.v[k] > b.v[k] ? a.v[k] : b.v[k]); return a; }
 INLINE F4 f4_min(F4 a, F4 b) { F4_EACH(a, a.v[k] < b.v[k] ? a.v[k] : b.v[k]); return a; }
 INLINE F4 f4_abs(F4 a) { F4_EACH(a, fabsf(a.v[k])); return a; }
-INLINE F4 f4_if_negative(F4 s, F4 a, F4 b) { F4_EACH(a, s.v[k] < 0.0f ? a.v[k] : b.v[k]); return a; }
+INLINE F4 f4_if_negative(F4 s, F4 a, F4 b)
+{
+    F4_EACH(a, s.v[k] < 0.0f ? a.v[k] : b.v[k]);
+    return a;
+}
 INLINE float f4_lane(F4 a, int k) { return a.v[k]; }
 INLINE F4 f4_load(const float *p) { return f4(p[0], p[1], p[2], p[3]); }
 
@@ -121,10 +124,6 @@ typedef __m256 F8;
 INLINE F8 f8_all(float a) { return _mm256_set1_ps(a); }
 INLINE F8 f8_load(const float *p) { return _mm256_loadu_ps(p); }
 INLINE void f8_store(float *p, F8 a) { _mm256_storeu_ps(p, a); }
-INLINE F8 f8_bytes(const uint8_t *p)                                    /* 0 .. 255, exact */
-{
-    return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p)));
-}
 INLINE F8 f8_add(F8 a, F8 b) { return _mm256_add_ps(a, b); }
 INLINE F8 f8_sub(F8 a, F8 b) { return _mm256_sub_ps(a, b); }
 INLINE F8 f8_mul(F8 a, F8 b) { return _mm256_mul_ps(a, b); }
@@ -145,7 +144,6 @@ typedef struct { float v[8]; } F8;
 INLINE F8 f8_all(float a) { F8 r; F8_EACH(r, a); return r; }
 INLINE F8 f8_load(const float *p) { F8 r; F8_EACH(r, p[k]); return r; }
 INLINE void f8_store(float *p, F8 a) { for (int k = 0; k < 8; k++) p[k] = a.v[k]; }
-INLINE F8 f8_bytes(const uint8_t *p) { F8 r; F8_EACH(r, (float)p[k]); return r; }
 INLINE F8 f8_add(F8 a, F8 b) { F8_EACH(a, a.v[k] + b.v[k]); return a; }
 INLINE F8 f8_sub(F8 a, F8 b) { F8_EACH(a, a.v[k] - b.v[k]); return a; }
 INLINE F8 f8_mul(F8 a, F8 b) { F8_EACH(a, a.v[k] * b.v[k]); return a; }

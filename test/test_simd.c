@@ -1,0 +1,129 @@
+/* test_simd.c -- vectors against the plain operations, lane by lane and bit by bit: what lets every
+ * build give the same pictures. */
+#include "base/random.h"
+#include "base/simd.h"
+#include "test/test.h"
+
+#include <string.h>
+
+enum { ODD_ONES = 12 };
+static const float odd_ones[ODD_ONES] = { 0.0f, -0.0f, 1.0f, -1.0f, INFINITY, -INFINITY, NAN,
+                                          1e-45f, -1e-45f, 3.4e38f, -3.4e38f, 1.5f };
+
+/* One number in four is of the odd ones, so that pairs of them meet. */
+static void fill(Rng *r, float *v, int n)
+{
+    for (int k = 0; k < n; k++)
+        v[k] = rng_below(r, 4) ? 2.0f * rng_unit(r) - 1.0f : odd_ones[rng_below(r, ODD_ONES)];
+}
+
+/* The same bits; what is no number may be any. */
+static bool same(float a, float b)
+{
+    return (a != a && b != b) || !memcmp(&a, &b, sizeof a);
+}
+
+static float plus(float a, float b) { return a + b; }
+static float minus(float a, float b) { return a - b; }
+static float times(float a, float b) { return a * b; }
+static float most(float a, float b) { return a > b ? a : b; }
+static float least(float a, float b) { return a < b ? a : b; }
+
+typedef float (*Plain)(float a, float b);
+typedef struct {
+    const char *name;
+    Plain plain;
+    F4 (*four)(F4 a, F4 b);
+    F8 (*eight)(F8 a, F8 b);
+} Op;
+
+/* Not inlined: their addresses are taken. */
+static F4 add4(F4 a, F4 b) { return f4_add(a, b); }
+static F4 sub4(F4 a, F4 b) { return f4_sub(a, b); }
+static F4 mul4(F4 a, F4 b) { return f4_mul(a, b); }
+static F4 max4(F4 a, F4 b) { return f4_max(a, b); }
+static F4 min4(F4 a, F4 b) { return f4_min(a, b); }
+static F8 add8(F8 a, F8 b) { return f8_add(a, b); }
+static F8 sub8(F8 a, F8 b) { return f8_sub(a, b); }
+static F8 mul8(F8 a, F8 b) { return f8_mul(a, b); }
+static F8 max8(F8 a, F8 b) { return f8_max(a, b); }
+static F8 min8(F8 a, F8 b) { return f8_min(a, b); }
+
+static const Op ops[] = {
+    { "add", plus, add4, add8 }, { "sub", minus, sub4, sub8 }, { "mul", times, mul4, mul8 },
+    { "max", most, max4, max8 }, { "min", least, min4, min8 }
+};
+
+static void two_operands(void)
+{
+    Rng r = rng_seed(1);
+
+    for (size_t o = 0; o < sizeof ops / sizeof ops[0]; o++)
+        for (int i = 0; i < 20000; i++) {
+            float a[8], b[8], out[8];
+            F4 four;
+            bool ok = true;
+
+            fill(&r, a, 8);
+            fill(&r, b, 8);
+            four = ops[o].four(f4(a[0], a[1], a[2], a[3]), f4(b[0], b[1], b[2], b[3]));
+            f8_store(out, ops[o].eight(f8_load(a), f8_load(b)));
+            for (int k = 0; k < 8; k++) {
+                float want = ops[o].plain(a[k], b[k]);
+                ok = ok && same(out[k], want) && (k >= 4 || same(f4_lane(four, k), want));
+            }
+            EXPECT(ok, "%s of numbers %d", ops[o].name, i);
+            if (!ok)
+                return;
+        }
+}
+
+static void other_operations(void)
+{
+    Rng r = rng_seed(2);
+
+    for (int i = 0; i < 20000; i++) {
+        float a[8], b[8], c[8], out[8];
+        int less = 0, at_most = 0;
+        F4 x, chosen, size;
+        bool ok = true;
+
+        fill(&r, a, 8);
+        fill(&r, b, 8);
+        fill(&r, c, 8);
+        x = f4(a[0], a[1], a[2], a[3]);
+        chosen = f4_if_negative(x, f4(b[0], b[1], b[2], b[3]), f4(c[0], c[1], c[2], c[3]));
+        size = f4_abs(x);
+        f8_store(out, f8_abs(f8_load(a)));
+        for (int k = 0; k < 8; k++) {
+            ok = ok && same(out[k], fabsf(a[k]));
+            less |= (a[k] < b[k]) << k;
+            at_most |= (a[k] <= b[k]) << k;
+        }
+        for (int k = 0; k < 4; k++)
+            ok = ok && same(f4_lane(size, k), fabsf(a[k])) &&
+                 same(f4_lane(chosen, k), a[k] < 0.0f ? b[k] : c[k]);
+        ok = ok && f8_less(f8_load(a), f8_load(b)) == less &&
+             f8_at_most(f8_load(a), f8_load(b)) == at_most &&
+             same(f4_max_three(x), most(a[0], most(a[1], a[2]))) &&
+             same(f4_min_three(x), least(a[0], least(a[1], a[2])));
+        EXPECT(ok, "numbers %d", i);
+        if (!ok)
+            return;
+    }
+}
+
+static void bits(void)
+{
+    for (int k = 0; k < 32; k++) {
+        EXPECT(LOWEST_BIT(1u << k) == k, "bit %d alone", k);
+        EXPECT(LOWEST_BIT(0xFFFFFFFFu << k) == k, "bit %d and all above", k);
+    }
+}
+
+const TestCase test_simd[] = {
+    { "two_operands", two_operands, false },
+    { "other_operations", other_operations, false },
+    { "bits", bits, false },
+    { NULL, NULL, false }
+};
