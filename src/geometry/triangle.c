@@ -75,10 +75,11 @@ INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, co
     double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
     double eb = (double)a.x * c.y - (double)a.y * c.x;
     double ec = (double)b.x * a.y - (double)b.y * a.x;
+    double least = d_min(ea, d_min(eb, ec)), most = d_max(ea, d_max(eb, ec));
     double det = ea + eb + ec, along = v_pick(&r->ray->d, r->kz), plane;
     float t;
 
-    if (((d_min(ea, d_min(eb, ec)) < 0) & (d_max(ea, d_max(eb, ec)) > 0)) | (det == 0))
+    if (((least < 0) & (most > 0)) | (det == 0))        /* & and |: to branch once, not thrice */
         return false;
     t = (float)((ea * a.z + eb * b.z + ec * c.z) / (det * along));
     if (!(t > 0.0f))
