@@ -163,7 +163,7 @@ static void values(void)
 
 static void limits(void)
 {
-    static const float no[6] = { NAN, INFINITY, -INFINITY, 0x1p61f, -0x1p61f, 3.4e38f };
+    const float no[6] = { NAN, INFINITY, -INFINITY, 0x1p61f, -0x1p61f, 3.4e38f };
     static const float yes[6] = { 0x1.fffffep59f, -0x1.fffffep59f, 0x1p-60f, -0x1p-61f, 0.0f,
                                   -0.0f };
     static const float nothing[5] = { 0x1p-149f, -0x1p-126f, 0x1.fffffep-62f, 0.0f, -0.0f };

@@ -7,12 +7,13 @@
 #include <string.h>
 
 enum { ODD_ONES = 12 };
-static const float odd_ones[ODD_ONES] = { 0.0f, -0.0f, 1.0f, -1.0f, INFINITY, -INFINITY, NAN,
-                                          1e-45f, -1e-45f, 3.4e38f, -3.4e38f, 1.5f };
 
 /* One number in four is of the odd ones, so that pairs of them meet. */
 static void fill(Rng *r, float *v, int n)
 {
+    const float odd_ones[ODD_ONES] = { 0.0f, -0.0f, 1.0f, -1.0f, INFINITY, -INFINITY, NAN,
+                                       1e-45f, -1e-45f, 3.4e38f, -3.4e38f, 1.5f };
+
     for (int k = 0; k < n; k++)
         v[k] = rng_below(r, 4) ? 2.0f * rng_unit(r) - 1.0f : odd_ones[rng_below(r, ODD_ONES)];
 }
