@@ -182,24 +182,23 @@ static float cone_height(const Sphere *sp, V3 from, V3 *to_centre, float *dist2)
     return warp_cone_height(r * r / *dist2);
 }
 
-/* The near point where direction w, at cosine c to the axis, meets the sphere. */
-static void near_point(const Sphere *sp, const Shape *shape, V3 from, V3 to_centre, LightSample *s)
+/* The near point where direction w, at cosine c to the axis, meets the sphere. In double from the
+ * centre: from afar the sphere can be smaller than the roundings of its place. */
+static void near_point(const Sphere *sp, const Shape *shape, V3 to_centre, LightSample *s)
 {
-    double b = (double)to_centre.x * s->wi.x + (double)to_centre.y * s->wi.y +
-               (double)to_centre.z * s->wi.z;
-    double d2 = (double)to_centre.x * to_centre.x + (double)to_centre.y * to_centre.y +
-                (double)to_centre.z * to_centre.z;
-    double disc = b * b - d2 + (double)sp->radius * sp->radius;
-    float t = (float)(b - sqrt(disc > 0 ? disc : 0)), away;
-    V3 d = v_unit(v_sub(v_mad(s->wi, t, from), sp->centre));
+    double x = to_centre.x, y = to_centre.y, z = to_centre.z, r2 = (double)sp->radius * sp->radius;
+    double b = x * s->wi.x + y * s->wi.y + z * s->wi.z, d2 = x * x + y * y + z * z;
+    double disc = b * b - d2 + r2, t = b - sqrt(disc > 0 ? disc : 0);
+    V3 d = v_unit(v3((float)(t * s->wi.x - x), (float)(t * s->wi.y - y),
+                     (float)(t * s->wi.z - z)));
+    float away = v_dot(d, s->wi);
 
-    away = v_dot(d, s->wi);
     if (away > 0.0f)                    /* rounding at the rim: the like normal that faces us */
         d = v_mad(s->wi, -2.0f * away, d);
     s->p = v_mad(d, sp->radius, sp->centre);
     s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
     s->n = shape->flip ? v_neg(d) : d;
-    s->dist = t;
+    s->dist = (float)t;
 }
 
 static bool front(const Area *l, const LightSample *s)
@@ -222,7 +221,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
             s->wi = frame_out(&axis, warp_cone(u, h));
             s->pdf_w = warp_cone_pdf(h);
             s->L = l->L;
-            near_point(&shape->as.sphere, shape, from, d, s);
+            near_point(&shape->as.sphere, shape, d, s);
             return l->two_sided || !shape->flip;        /* we see the outside */
         }
     }
