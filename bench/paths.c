@@ -8,9 +8,10 @@
 
 enum { RUNS = 5 };
 
-/* Renders a scene of scenes/ with spp samples; false: it said why. */
-static bool run(const char *scene, const char *integrator, uint32_t spp, int threads,
-                uint64_t seed, Image *im, RenderReport *report)
+/* Renders a scene of scenes/ with spp samples; NULL: by the integrator and sampler that it names.
+ * False: it said why. */
+static bool run(const char *scene, const char *integrator, const char *sampler, uint32_t spp,
+                int threads, uint64_t seed, Image *im, RenderReport *report)
 {
     ReadLimits limits = READ_LIMITS_DEFAULT;
     RenderRequest q;
@@ -21,6 +22,7 @@ static bool run(const char *scene, const char *integrator, uint32_t spp, int thr
 
     memset(&q, 0, sizeof q);
     q.integrator = integrator;
+    q.sampler = sampler;
     q.spp = spp;
     q.threads = threads;
     q.seed = seed;
@@ -41,30 +43,34 @@ static bool run(const char *scene, const char *integrator, uint32_t spp, int thr
     return ok;
 }
 
-static void throughput(const char *scene, const char *integrator, const char *peer)
+static void throughput(const char *scene, const char *integrator, const char *sampler,
+                       const char *peer)
 {
     double paths[RUNS], rays[RUNS];
     RenderReport r;
 
     for (int k = -1; k < RUNS; k++) {
-        if (!run(scene, integrator, 16, 1, 0, NULL, &r))
+        if (!run(scene, integrator, sampler, 16, 1, 0, NULL, &r))
             return;
         if (k >= 0) {
             paths[k] = (double)r.samples * 1e-6 / r.cpu_seconds;
             rays[k] = (double)r.rays * 1e-6 / r.cpu_seconds;
         }
     }
-    printf("paths\t%s\t%s\tMpaths a CPU-second %.3f\tMrays a CPU-second %.2f\t%s\n", scene,
-           integrator, median(paths, RUNS), median(rays, RUNS), peer);
+    printf("paths\t%s\t%s\t%s\tMpaths a CPU-second %.3f\tMrays a CPU-second %.2f\t%s\n", scene,
+           integrator, sampler, median(paths, RUNS), median(rays, RUNS), peer);
 }
 
-/* Roulette from the first bounce is what the SmallVCM program does; Mitsuba waits for the fifth. */
+/* Roulette from the first bounce and independent samples are what the SmallVCM program has; Mitsuba
+ * waits for the fifth bounce. */
 void bench_paths(void)
 {
-    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=1", "peer: SmallVCM 0.79");
-    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "peer: Mitsuba 0.6 1.03");
-    throughput("scenes/s4.pbrt", "path:maxdepth=9", "");
-    throughput("scenes/cornell.pbrt", "path:maxdepth=12", "");
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=1", "random", "peer: SmallVCM 0.79");
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=1", "zerotwo", "");
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "random", "peer: Mitsuba 0.6 1.03");
+    throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "zerotwo", "");
+    throughput("scenes/s4.pbrt", "path:maxdepth=9", "zerotwo", "");
+    throughput("scenes/cornell.pbrt", "path:maxdepth=12", "zerotwo", "");
 }
 
 /* relMSE without the noise of the references: for two independent ones r and q, the mean of
@@ -94,10 +100,10 @@ static void error_after(const char *scene, const char *reference, const char *pe
     uint32_t spp;
 
     snprintf(path, sizeof path, "%s/%s", root ? root : "../shared/data", reference);
-    if (run(scene, NULL, 16, 1, 0, NULL, &r) && image_read(&ref, path, IMAGE_PIXELS_DEFAULT)) {
+    if (run(scene, NULL, NULL, 16, 1, 0, NULL, &r) && image_read(&ref, path, IMAGE_PIXELS_DEFAULT)) {
         spp = (uint32_t)(16 * 20.0 / r.cpu_seconds);
-        if (run(scene, NULL, spp, processors(), 0, &im, &r) &&
-            run(scene, NULL, 4 * spp, processors(), 99, &own, &unused) &&
+        if (run(scene, NULL, NULL, spp, processors(), 0, &im, &r) &&
+            run(scene, NULL, NULL, 4 * spp, processors(), 99, &own, &unused) &&
             image_compare(&im, scene, &ref, path, &d)) {
             double e = paired_relmse(&im, &ref, &own);
             printf("error\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.6f\tscaled to 20 s %.6f\t"
