@@ -100,7 +100,8 @@ static void error_after(const char *scene, const char *reference, const char *pe
     uint32_t spp;
 
     snprintf(path, sizeof path, "%s/%s", root ? root : "../shared/data", reference);
-    if (run(scene, NULL, NULL, 16, 1, 0, NULL, &r) && image_read(&ref, path, IMAGE_PIXELS_DEFAULT)) {
+    if (run(scene, NULL, NULL, 16, 1, 0, NULL, &r) &&
+        image_read(&ref, path, IMAGE_PIXELS_DEFAULT)) {
         spp = (uint32_t)(16 * 20.0 / r.cpu_seconds);
         if (run(scene, NULL, NULL, spp, processors(), 0, &im, &r) &&
             run(scene, NULL, NULL, 4 * spp, processors(), 99, &own, &unused) &&
