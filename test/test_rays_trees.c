@@ -162,8 +162,8 @@ static void noticed(void)
 
 static float odd_number(Rng *rng)
 {
-    static const float odd[10] = { NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 0x1p-149f, 3.4e38f,
-                                   -3.4e38f, 1.0f, 0.5f };
+    const float odd[10] = { NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 0x1p-149f, 3.4e38f, -3.4e38f,
+                            1.0f, 0.5f };
     return odd[rng_below(rng, 10)];
 }
 
