@@ -52,14 +52,22 @@ static void run_child(void (*setup)(void), char **words, int n, FILE *const stre
     _exit(status);
 }
 
-static Cli start(void (*setup)(void), const char *fmt, va_list args)
+char *cli_text(const char *fmt, ...)
 {
     static char line[LINE];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(line, sizeof line, fmt, args);
+    va_end(args);
+    return line;
+}
+
+Cli cli_start_line(void (*setup)(void), char *line)
+{
     char *words[WORDS] = { (char *)"rushlight" }, *next;
     int n = 1;
     Cli c;
 
-    vsnprintf(line, sizeof line, fmt, args);
     for (char *p = line + strspn(line, " "); *p && n < WORDS - 1; p = next) {
         next = p + strcspn(p, " ");
         if (*next)
@@ -79,16 +87,6 @@ static Cli start(void (*setup)(void), const char *fmt, va_list args)
     REQUIRE(c.pid >= 0, "fork: %s", strerror(errno));
     if (c.pid == 0)
         run_child(setup, words, n, c.stream);
-    return c;
-}
-
-Cli cli_start(void (*setup)(void), const char *fmt, ...)
-{
-    va_list args;
-    Cli c;
-    va_start(args, fmt);
-    c = start(setup, fmt, args);
-    va_end(args);
     return c;
 }
 
@@ -147,13 +145,9 @@ void cli_await(const Cli *c, const char *text)
     }
 }
 
-Cli cli(const char *fmt, ...)
+Cli cli_line(char *line)
 {
-    va_list args;
-    Cli c;
-    va_start(args, fmt);
-    c = start(NULL, fmt, args);
-    va_end(args);
+    Cli c = cli_start_line(NULL, line);
     cli_wait(&c);
     return c;
 }

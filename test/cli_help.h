@@ -18,9 +18,13 @@ typedef struct {
 
 /* "render a.pbrt --spp 2", without "rushlight": words with blanks between, each of which may hold
  * the word '' for an empty one. */
-Cli  cli(const char *fmt, ...) PRINTF_LIKE(1, 2);
+#define cli(...) cli_line(cli_text(__VA_ARGS__))
 /* The same; setup (or NULL) runs in the new process first: closes streams, sets limits. */
-Cli  cli_start(void (*setup)(void), const char *fmt, ...) PRINTF_LIKE(2, 3);
+#define cli_start(setup, ...) cli_start_line(setup, cli_text(__VA_ARGS__))
+/* In two steps: tcc loses the arguments of functions that take any number and return a struct. */
+char *cli_text(const char *fmt, ...) PRINTF_LIKE(1, 2);         /* in one static buffer */
+Cli  cli_line(char *line);
+Cli  cli_start_line(void (*setup)(void), char *line);
 void cli_wait(Cli *c);
 /* Waits until the running program has printed `text` on standard error. */
 void cli_await(const Cli *c, const char *text);
