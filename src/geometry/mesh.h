@@ -55,7 +55,7 @@ typedef struct {
     Place at;
     Rgb   kd, ks, ke, tf;
     float ns, ni, d;
-    int   illum;                /* -1: not given */
+    signed char illum;          /* -1: not given */
     bool  has_kd, has_ks, has_ke;
 } MtlMaterial;
 

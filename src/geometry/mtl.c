@@ -140,7 +140,7 @@ static bool read_illum(Mtl *r)
     if (!w.n || number_int(w.s, w.s + w.n, &v, NULL) != w.n || v < 0 || v > 10)
         return err_at(text_place_of(&r->t, w.s), "illum is '%s', an integer from 0 to 10 was "
                       "expected", word_copy(copy, sizeof copy, w));
-    r->m->illum = (int)v;
+    r->m->illum = (signed char)v;
     return true;
 }
 
