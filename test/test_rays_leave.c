@@ -355,7 +355,7 @@ static void check_through(const Scene *s, const Hit *ha, const Surface *a, const
     Tracer tracer = { .scene = s };
     V3 way = v_sub(b->p, a->p);
     D3 end;
-    Ray r;
+    Ray r, shadow;
 
     to.dist = v_len(way);
     to.wi = v_unit(way);
@@ -366,7 +366,8 @@ static void check_through(const Scene *s, const Hit *ha, const Surface *a, const
     if (!inside(s, ha, d3(r.o), a->err) || !inside(s, hb, end, b->err))
         return;
     t->shadows++;
-    if (!tracer_sees(&tracer, a, &to) && !t->blocked++)
+    shadow = shadow_ray(a, &to);
+    if (tracer_blocked(&tracer, &shadow) && !t->blocked++)
         printf("blocked: %s, %lu to %lu\n", ray_text(&r), (unsigned long)ha->prim,
                (unsigned long)hb->prim);
 }

@@ -159,12 +159,14 @@ static void look(const Scene *s, const Light *l, V3 centre, float far, uint32_t 
 
     while (n--) {
         Surface from = receiver(&s->geometries[0], &rng, centre, far);
+        Ray shadow;
         V2 u;
         u.x = rng_unit(&rng);
         u.y = rng_unit(&rng);
         if (!l->kind->sample(l, from.p, u, &ls) || !(v_dot(ls.wi, from.ng) > 0.0f))
             continue;
-        if (tracer_sees(&tracer, &from, &ls))
+        shadow = shadow_ray(&from, &ls);
+        if (!tracer_blocked(&tracer, &shadow))
             count->seen++;
         else if (in_plane(&from, &ls))
             count->unsure++;

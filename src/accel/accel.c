@@ -7,7 +7,7 @@
 #define ACCELS(X)                                                              \
     X(brute)                    /* the reference */                            \
     X(bvh)                      /* binary tree of boxes */                     \
-    X(wide)                     /* eight children a node, boxes in bytes */
+    X(wide)                     /* eight children a node; the default */
 #define DECLARE(name) extern const AccelKind accel_##name;
 #define ENTRY(name) &accel_##name,
 ACCELS(DECLARE)

@@ -11,9 +11,3 @@ const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
 const char *const strategy_names[STRATEGIES] = { "implicit", "explicit" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
-
-bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to)
-{
-    Ray r = shadow_ray(from, to);
-    return !tracer_blocked(t, &r);
-}

@@ -49,7 +49,6 @@ INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
     return (Ray){ .o = ray_origin(from->p, from->err, from->ng, to->wi), .d = to->wi,
                   .tmax = INFINITY };
 }
-bool tracer_sees(Tracer *t, const Surface *from, const LightSample *to);
 
 /* Adds a path of `edges` edges, found by `how`, to the tally. */
 INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
