@@ -216,7 +216,7 @@ static void independent_within_pixels(void)
     }
 }
 
-/* Owen's scrambling places each sample in its stratum by itself: not all of them alike. */
+/* Scrambling places each sample in its stratum by itself: not all of them alike. */
 static void strata_apart(void)
 {
     static Pairing p;

@@ -85,7 +85,7 @@ static void other_operations(void)
 
     for (int i = 0; i < 20000; i++) {
         float a[8], b[8], c[8], out[8];
-        int less = 0, at_most = 0;
+        int less = 0, at_most = 0, signs = 0;
         F4 x, chosen, size;
         bool ok = true;
 
@@ -101,10 +101,14 @@ static void other_operations(void)
             less |= (a[k] < b[k]) << k;
             at_most |= (a[k] <= b[k]) << k;
         }
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t word;
+            memcpy(&word, &a[k], 4);
+            signs |= (int)(word >> 31) << k;
             ok = ok && same(f4_lane(size, k), fabsf(a[k])) &&
                  same(f4_lane(chosen, k), a[k] < 0.0f ? b[k] : c[k]);
-        ok = ok && f8_less(f8_load(a), f8_load(b)) == less &&
+        }
+        ok = ok && f4_signs(x) == signs && f8_less(f8_load(a), f8_load(b)) == less &&
              f8_at_most(f8_load(a), f8_load(b)) == at_most &&
              same(f4_max_three(x), most(a[0], most(a[1], a[2]))) &&
              same(f4_min_three(x), least(a[0], least(a[1], a[2])));
@@ -122,9 +126,27 @@ static void bits(void)
     }
 }
 
+/* Polynomials modulo 2 multiplied as on paper. */
+static void carryless(void)
+{
+    Rng r = rng_seed(3);
+
+    for (int i = 0; i < 20000; i++) {
+        uint32_t a = (uint32_t)rng_bits(&r), b = (uint32_t)rng_bits(&r);
+        uint64_t want = 0;
+
+        a = i % 5 ? a : 0xFFFFFFFFu;            /* the most carries */
+        b = i % 3 ? b : 0xFFFFFFFFu;
+        for (int k = 0; k < 32; k++)
+            want ^= b >> k & 1 ? (uint64_t)a << k : 0;
+        EXPECT(carryless_product(a, b) == want, "%lx times %lx", (unsigned long)a,
+               (unsigned long)b);
+    }
+}
+
 const TestCase test_simd[] = {
     { "two_operands", two_operands, false },
     { "other_operations", other_operations, false },
-    { "bits", bits, false },
+    { "bits", bits, false }, { "carryless", carryless, false },
     { NULL, NULL, false }
 };

@@ -283,25 +283,33 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
 /* Each level leaves at most seven children waiting. */
 enum { STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) };
 
+/* Where in a node the planes stand that a ray meets first and last, by the signs of its direction
+ * (bit k: axis k downwards). */
+typedef struct { int near[3], far[3]; } PlaneOrder;
+#define PLANE_ORDER(x, y, z)                                                                     \
+    { { 3 * WIDTH * (x),       WIDTH + 3 * WIDTH * (y),       2 * WIDTH + 3 * WIDTH * (z) },     \
+      { 3 * WIDTH * (1 - (x)), WIDTH + 3 * WIDTH * (1 - (y)), 2 * WIDTH + 3 * WIDTH * (1 - (z)) } }
+static const PlaneOrder plane_orders[8] = {
+    PLANE_ORDER(0, 0, 0), PLANE_ORDER(1, 0, 0), PLANE_ORDER(0, 1, 0), PLANE_ORDER(1, 1, 0),
+    PLANE_ORDER(0, 0, 1), PLANE_ORDER(1, 0, 1), PLANE_ORDER(0, 1, 1), PLANE_ORDER(1, 1, 1)
+};
+
 typedef struct {
-    F8     o[3], inv[3];
-    int near[3], far[3];                /* the planes that are met first and last, in a node */
+    F8 o[3], inv[3];
+    const PlaneOrder *order;
 } NodeProbe;
 
-INLINE void node_probe_axis(NodeProbe *q, int k, float o, float d)
+INLINE void node_probe_init(NodeProbe *q, const Probe *p)
 {
-    float inv = 1.0f / d;
-    q->o[k] = f8_all(o);
-    q->inv[k] = f8_all(inv);
-    q->near[k] = k * WIDTH + (inv < 0.0f) * (3 * WIDTH);
-    q->far[k] = k * WIDTH + (inv >= 0.0f) * (3 * WIDTH);
-}
+    V3 o = p->ray->o, d = p->ray->d, inv = p->inv;
 
-INLINE void node_probe_init(NodeProbe *q, const Ray *r)
-{
-    node_probe_axis(q, 0, r->o.x, r->d.x);
-    node_probe_axis(q, 1, r->o.y, r->d.y);
-    node_probe_axis(q, 2, r->o.z, r->d.z);
+    q->o[0] = f8_all(o.x);
+    q->o[1] = f8_all(o.y);
+    q->o[2] = f8_all(o.z);
+    q->inv[0] = f8_all(inv.x);
+    q->inv[1] = f8_all(inv.y);
+    q->inv[2] = f8_all(inv.z);
+    q->order = &plane_orders[f4_signs(f4(d.x, d.y, d.z, 0.0f))];
 }
 
 /* Bit k: the ray enters the box of child k before it leaves it and not beyond tmax, near[k] says
@@ -312,7 +320,7 @@ INLINE int node_enter(const NodeProbe *q, const Node *n, float tmax, float near[
     F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
 
     for (int k = 0; k < 3; k++) {
-        F8 a = f8_load(planes + q->near[k]), b = f8_load(planes + q->far[k]);
+        F8 a = f8_load(planes + q->order->near[k]), b = f8_load(planes + q->order->far[k]);
         enter = f8_max(f8_mul(f8_sub(a, q->o[k]), q->inv[k]), enter);
         leave = f8_min(f8_mul(f8_sub(b, q->o[k]), q->inv[k]), leave);
     }
@@ -368,7 +376,7 @@ INLINE bool nearest_steps(const Wide *w, const Ray *r, Hit *h, Steps *steps)
 
     hit_none(h, r->tmax);
     probe_init(&p, r);
-    node_probe_init(&q, r);
+    node_probe_init(&q, &p);
     for (;;) {
         if (is_node(at)) {
             const Node *n = w->nodes + at;
@@ -422,7 +430,7 @@ INLINE bool blocked_steps(const Wide *w, const Ray *r, Steps *steps)
     Probe p;
 
     probe_init(&p, r);
-    node_probe_init(&q, r);
+    node_probe_init(&q, &p);
     for (;;) {
         if (is_node(at)) {
             const Node *n = w->nodes + at;

@@ -4,6 +4,8 @@
 #ifndef BASE_PLATFORM_H
 #define BASE_PLATFORM_H
 
+#include <stdint.h>
+
 #ifdef __FAST_MATH__
 #error "rushlight must not be compiled with -ffast-math: results would depend on the build"
 #endif
@@ -35,6 +37,33 @@ static inline int lowest_bit(unsigned x)        /* x != 0 */
     while (!(x >> k & 1))
         k++;
     return k;
+}
+#endif
+
+/* The product of polynomials modulo 2, a bit a coefficient: a multiplication without carries. */
+#if defined(__PCLMUL__) && defined(__x86_64__) && !defined(RUSHLIGHT_PLAIN)
+#include <wmmintrin.h>
+INLINE uint64_t carryless_product(uint32_t a, uint32_t b)
+{
+    __m128i p = _mm_clmulepi64_si128(_mm_cvtsi32_si128((int)a), _mm_cvtsi32_si128((int)b), 0);
+    return (uint64_t)_mm_cvtsi128_si64(p);
+}
+#else
+/* With every fourth bit only, a common product has sums of at most eight, whose carries do not
+ * reach the next of these bits: four by four such products. */
+INLINE uint64_t carryless_product(uint32_t a, uint32_t b)
+{
+    const uint64_t every_fourth = 0x1111111111111111u;
+    uint64_t product = 0, x[4], y[4];
+
+    for (int k = 0; k < 4; k++) {
+        x[k] = a & every_fourth << k;
+        y[k] = b & every_fourth << k;
+    }
+    for (int k = 0; k < 4; k++)
+        product |= (x[0] * y[k] ^ x[1] * y[(k + 3) & 3] ^ x[2] * y[(k + 2) & 3] ^
+                    x[3] * y[(k + 1) & 3]) & every_fourth << k;
+    return product;
 }
 #endif
 

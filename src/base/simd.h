@@ -33,6 +33,9 @@ INLINE F4 f4_if_negative(F4 s, F4 a, F4 b)
     return (F4)(((F4Bits)a & m) | ((F4Bits)b & ~m));
 }
 
+/* Bit k: the sign of a[k], that of -0 too. */
+INLINE int f4_signs(F4 a) { return __builtin_ia32_movmskps(a); }
+
 /* What f4_turn does: exchange the two halves, or leave them. */
 typedef int F4Turn __attribute__((vector_size(16)));
 INLINE F4Turn f4_turn_if(int turn)      /* 0 or 1; no branch, since it would be taken at random */
@@ -85,6 +88,13 @@ INLINE F4 f4_if_negative(F4 s, F4 a, F4 b)
     return a;
 }
 INLINE float f4_lane(F4 a, int k) { return a.v[k]; }
+INLINE int f4_signs(F4 a)
+{
+    int bits = 0;
+    for (int k = 0; k < 4; k++)
+        bits |= (signbit(a.v[k]) != 0) << k;
+    return bits;
+}
 INLINE F4 f4_load(const float *p) { return f4(p[0], p[1], p[2], p[3]); }
 
 typedef int F4Turn;
@@ -166,4 +176,5 @@ INLINE int f8_at_most(F8 a, F8 b)
 }
 
 #endif
+
 #endif

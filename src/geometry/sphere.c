@@ -1,8 +1,8 @@
 /* sphere.c -- a ray against a sphere or a part of one.
  *
  * Source      [PBRT4 6.2.2] for the parameters of partial spheres; the quadratic by [Haines19].
- * Error       All in double: with d unit to rounding, the discriminant r^2 - |l - (l.d) d|^2 keeps
- *             its digits where b^2 - 4ac would not, for small spheres far away. */
+ * Error       All in double: the discriminant r^2 |d|^2 - |l x d|^2 keeps its digits where
+ *             b^2 - 4ac would not, for small spheres far away. */
 #include "geometry/geometry.h"
 
 bool sphere_init(Sphere *s, const Transform *t, float radius, float zmin, float zmax,
@@ -53,14 +53,16 @@ float sphere_cross(const Sphere *s, const Ray *r)
     double dx = r->d.x, dy = r->d.y, dz = r->d.z;
     double lx = (double)s->centre.x - r->o.x, ly = (double)s->centre.y - r->o.y;
     double lz = (double)s->centre.z - r->o.z, r2 = (double)s->radius * s->radius;
-    double inv = 1.0 / (dx * dx + dy * dy + dz * dz), b = (lx * dx + ly * dy + lz * dz) * inv;
-    double px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
-    double disc = r2 - (px * px + py * py + pz * pz), half, c, near, far;
+    double px = ly * dz - lz * dy, py = lz * dx - lx * dz, pz = lx * dy - ly * dx;
+    double dd = dx * dx + dy * dy + dz * dz, disc = r2 * dd - (px * px + py * py + pz * pz);
+    double inv, b, half, c, near, far;
     float t;
 
-    if (!(disc >= 0))
+    if (!(disc >= 0))                                   /* before any division: most rays miss */
         return 0.0f;
-    half = sqrt(disc * inv);
+    inv = 1.0 / dd;
+    b = (lx * dx + ly * dy + lz * dz) * inv;
+    half = sqrt(disc) * inv;
     c = (lx * lx + ly * ly + lz * lz - r2) * inv;       /* near * far, without cancellation */
     if (b >= 0) {
         far = b + half;

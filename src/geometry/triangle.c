@@ -78,6 +78,7 @@ INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, co
     double least = d_min(ea, d_min(eb, ec)), most = d_max(ea, d_max(eb, ec));
     double det = ea + eb + ec, along = v_pick(&r->ray->d, r->kz), plane;
     float t;
+    bool ok;
 
     if (((least < 0) & (most > 0)) | (det == 0))        /* & and |: to branch once, not thrice */
         return false;
@@ -91,15 +92,15 @@ INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, co
         else if (!clearly_ahead(v, along > 0))
             return false;
     }
-    if (!hit_in_box(r, triangle_box_f4(f4(pa.x, pa.y, pa.z, 0.0f), f4(pb.x, pb.y, pb.z, 0.0f),
-                                       f4(pc.x, pc.y, pc.z, 0.0f)), &t) ||
-        !(t > 0.0f) || t > h->t || (t == h->t && prim >= h->outer))
-        return false;
-    h->t = t;
-    h->u = (float)(eb / det);
-    h->v = (float)(ec / det);
-    h->outer = h->prim = prim;
-    return true;
+    ok = hit_in_box(r, triangle_box_f4(f4(pa.x, pa.y, pa.z, 0.0f), f4(pb.x, pb.y, pb.z, 0.0f),
+                                       f4(pc.x, pc.y, pc.z, 0.0f)), &t);
+    ok = ok & (t > 0.0f) & ((t < h->t) | ((t == h->t) & (prim < h->outer)));
+    h->t = ok ? t : h->t;               /* chosen, since a branch would be taken at random */
+    h->u = ok ? (float)(eb / det) : h->u;
+    h->v = ok ? (float)(ec / det) : h->v;
+    h->outer = ok ? prim : h->outer;
+    h->prim = ok ? prim : h->prim;
+    return ok;
 }
 
 NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,

@@ -3,7 +3,7 @@
 
 #define SAMPLERS(X)                                                            \
     X(random)                   /* independent numbers */                      \
-    X(zerotwo)                  /* (0,2)-sequences, Owen scrambled */
+    X(zerotwo)                  /* (0,2)-sequences, scrambled */
 #define DECLARE(name) extern const SamplerKind sampler_##name;
 #define ENTRY(name) &sampler_##name,
 SAMPLERS(DECLARE)
