@@ -1,5 +1,4 @@
-/* triangle.c -- the rare part of the triangle test: a ray that passes between the edges, or may.
- * See triangle.h. */
+/* triangle.c -- the rare parts of the triangle test, and blocks of triangles. See triangle.h. */
 #include "geometry/triangle.h"
 
 #include <string.h>
@@ -67,47 +66,24 @@ static bool clearly_ahead(const TriangleView *v, bool forward)
     return least > 0x1p-10f * most;
 }
 
-/* The corners as they were given, and as the ray sees them. */
-INLINE bool accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim, const Probe *r,
-                   Hit *h)
+NOINLINE bool triangle_astride(V3 pa, V3 pb, V3 pc, const TriangleView *v, const Probe *r,
+                               float *t)
 {
-    V3 a = v->a, b = v->b, c = v->c;
-    double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
-    double eb = (double)a.x * c.y - (double)a.y * c.x;
-    double ec = (double)b.x * a.y - (double)b.y * a.x;
-    double least = d_min(ea, d_min(eb, ec)), most = d_max(ea, d_max(eb, ec));
-    double det = ea + eb + ec, along = v_pick(&r->ray->d, r->kz), plane;
-    float t;
-    bool ok;
+    double plane = plane_t(r, pa, pb, pc);
 
-    if (((least < 0) & (most > 0)) | (det == 0))        /* & and |: to branch once, not thrice */
-        return false;
-    t = (float)((ea * a.z + eb * b.z + ec * c.z) / (det * along));
-    if (!(t > 0.0f))
-        return false;
-    if (f_min(a.z, f_min(b.z, c.z)) <= 0.0f && f_max(a.z, f_max(b.z, c.z)) >= 0.0f) {
-        plane = plane_t(r, pa, pb, pc);
-        if (plane > 0)
-            t = (float)plane;
-        else if (!clearly_ahead(v, along > 0))
-            return false;
-    }
-    ok = hit_in_box(r, triangle_box_f4(f4(pa.x, pa.y, pa.z, 0.0f), f4(pb.x, pb.y, pb.z, 0.0f),
-                                       f4(pc.x, pc.y, pc.z, 0.0f)), &t);
-    ok = ok & (t > 0.0f) & ((t < h->t) | ((t == h->t) & (prim < h->outer)));
-    h->t = ok ? t : h->t;               /* chosen, since a branch would be taken at random */
-    h->u = ok ? (float)(eb / det) : h->u;
-    h->v = ok ? (float)(ec / det) : h->v;
-    h->outer = ok ? prim : h->outer;
-    h->prim = ok ? prim : h->prim;
-    return ok;
+    if (!(plane > 0))
+        return clearly_ahead(v, v_pick(&r->ray->d, r->kz) > 0.0f);
+    *t = (float)plane;
+    return true;
 }
 
-NOINLINE bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r,
-                              const TriangleView *v, Hit *h)
+/* ---- one ---- */
+
+NOINLINE bool triangle_accept_prim(const Geometry *g, uint32_t prim, const Probe *r,
+                                   const TriangleView *v, Hit *h)
 {
     const Tri *tri = &g->tri[prim];
-    return accept(g->p[tri->v[0]], g->p[tri->v[1]], g->p[tri->v[2]], v, prim, r, h);
+    return triangle_accept(g->p[tri->v[0]], g->p[tri->v[1]], g->p[tri->v[2]], v, prim, r, h);
 }
 
 /* ---- eight at once ---- */
@@ -123,18 +99,4 @@ void triangle_block_init(TriangleBlock *b, const Geometry *g, const uint32_t *pr
                 b->p[i][axis][k] = v_axis(c[i], axis);
         b->prim[k] = prims[k];
     }
-}
-
-static V3 lane_of(const float p[3][8], int k) { return v3(p[0][k], p[1][k], p[2][k]); }
-
-NOINLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
-                                    const BlockView *view, Hit *h)
-{
-    TriangleView v;
-
-    v.a = lane_of(view->lane[0], k);
-    v.b = lane_of(view->lane[1], k);
-    v.c = lane_of(view->lane[2], k);
-    return accept(lane_of(b->p[0], k), lane_of(b->p[1], k), lane_of(b->p[2], k), &v, b->prim[k], r,
-                  h);
 }

@@ -83,9 +83,46 @@ INLINE V3 triangle_edges(V3 a, V3 b, V3 c)
 /* The corners of a triangle as the ray sees them. */
 typedef struct { V3 a, b, c; } TriangleView;
 
-/* What is left to do once the ray may pass between the edges: weights, depth, box, order. */
-bool triangle_accept(const Geometry *g, uint32_t prim, const Probe *r, const TriangleView *v,
-                     Hit *h);
+/* Whether a triangle that reaches from behind the origin to before it is met before it. *t may be
+ * set to a better one. See triangle.c. */
+bool triangle_astride(V3 pa, V3 pb, V3 pc, const TriangleView *v, const Probe *r, float *t);
+
+/* What is left to do once the ray may pass between the edges: weights, depth, box, order. The
+ * corners as they were given, and as the ray sees them. */
+INLINE bool triangle_accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t prim,
+                            const Probe *r, Hit *h)
+{
+    V3 a = v->a, b = v->b, c = v->c;
+    double ea = (double)c.x * b.y - (double)c.y * b.x;          /* exact but for one rounding */
+    double eb = (double)a.x * c.y - (double)a.y * c.x;
+    double ec = (double)b.x * a.y - (double)b.y * a.x;
+    double least = d_min(ea, d_min(eb, ec)), most = d_max(ea, d_max(eb, ec));
+    double det = ea + eb + ec, along = v_pick(&r->ray->d, r->kz);
+    float t;
+    bool ok;
+
+    if (((least < 0) & (most > 0)) | (det == 0))        /* & and |: to branch once, not thrice */
+        return false;
+    t = (float)((ea * a.z + eb * b.z + ec * c.z) / (det * along));
+    if (!(t > 0.0f))
+        return false;
+    if (f_min(a.z, f_min(b.z, c.z)) <= 0.0f && f_max(a.z, f_max(b.z, c.z)) >= 0.0f &&
+        !triangle_astride(pa, pb, pc, v, r, &t))
+        return false;
+    ok = hit_in_box(r, triangle_box_f4(f4(pa.x, pa.y, pa.z, 0.0f), f4(pb.x, pb.y, pb.z, 0.0f),
+                                       f4(pc.x, pc.y, pc.z, 0.0f)), &t);
+    ok = ok & (t > 0.0f) & ((t < h->t) | ((t == h->t) & (prim < h->outer)));
+    h->t = ok ? t : h->t;               /* chosen: a branch would be taken at random */
+    h->u = ok ? (float)(eb / det) : h->u;
+    h->v = ok ? (float)(ec / det) : h->v;
+    h->outer = ok ? prim : h->outer;
+    h->prim = ok ? prim : h->prim;
+    return ok;
+}
+
+/* The same for a triangle of a mesh; not inlined, since most rays pass it by. */
+bool triangle_accept_prim(const Geometry *g, uint32_t prim, const Probe *r, const TriangleView *v,
+                          Hit *h);
 
 /* ---- eight at once ---- */
 
@@ -132,9 +169,22 @@ INLINE int triangle_block_test(const TriangleBlock *b, int n, const Probe *r, Bl
     return out;
 }
 
-/* triangle_accept for one of them. */
-bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r, const BlockView *v,
-                           Hit *h);
+INLINE V3 triangle_lane(const float p[3][8], int k) { return v3(p[0][k], p[1][k], p[2][k]); }
+
+/* triangle_accept for triangle k, which is to be looked at more closely. */
+INLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
+                                  const BlockView *view, Hit *h)
+{
+    TriangleView v;
+
+    v.a = triangle_lane(view->lane[0], k);
+    v.b = triangle_lane(view->lane[1], k);
+    v.c = triangle_lane(view->lane[2], k);
+    return triangle_accept(triangle_lane(b->p[0], k), triangle_lane(b->p[1], k),
+                           triangle_lane(b->p[2], k), &v, b->prim[k], r, h);
+}
+
+/* ---- one ---- */
 
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
  * is set. Most calls end here, with edge functions of both signs. */
@@ -153,7 +203,7 @@ INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Probe *r, H
     v.a = a;
     v.b = b;
     v.c = c;
-    return triangle_accept(g, prim, r, &v, h);
+    return triangle_accept_prim(g, prim, r, &v, h);
 }
 
 #endif
