@@ -1,18 +1,21 @@
 /* bvh.c -- a binary tree of boxes.
  *
  * Source      [Cline07 2.2.3, 3.2.3] the tree and its 32-byte node; [Wald07] binned surface area
- *             heuristic; slab test [Ize13], see geometry/ray.h.
+ *             heuristic; [Goldsmith87] the tree by insertion; slab test [Ize13], see
+ *             geometry/ray.h; [Smits98] the layout without a stack, see skip.h.
  * Layout      Two siblings stand in one line of 64 bytes, 32 each: their planes side by side, so
  *             that one test of four lanes does for both, then where each leads. The primitives of a
- *             leaf are a run of `order`.
+ *             leaf are a run of `order`; where leaves have one, they name it themselves.
  * Invariants  The box of a node holds the boxes of all primitives below it: validate() checks.
  *             Depth is at most REFS_DEPTH_SAH + 32, whatever the input: below that nodes are
  *             halved.
  * Departs     [Cline07] stores two child pointers; siblings need one, which leaves room for the
  *             count of a leaf. Leaves hold up to `leaf` primitives instead of one. */
 #include "accel/accel.h"
+#include "accel/insertion.h"
 #include "accel/prim.h"
 #include "accel/refs.h"
+#include "accel/skip.h"
 #include "base/mem.h"
 #include "base/simd.h"
 
@@ -20,7 +23,8 @@
 #include <string.h>
 
 typedef struct {
-    uint32_t first;             /* inner: the pair of its children; leaf: the first in `order` */
+    uint32_t first;             /* inner: the pair of its children; leaf: the first in `order`,
+                                 * or the primitive itself */
     uint32_t count;             /* primitives of a leaf; 0: inner */
 } Link;
 
@@ -34,27 +38,37 @@ typedef struct {
     Accel base;
     void *memory;               /* owned; holds the pairs, */
     Pair *pairs;                /* which begin at a multiple of 64 in it */
-    uint32_t *order;            /* owned */
+    uint32_t *order;            /* owned; NULL: each leaf has one primitive and names it */
     size_t npairs;
     Box  box;                   /* of everything */
     Link root;
+    SkipNode *skips;            /* owned; of layout=skip, which has no pairs; else NULL */
 } Bvh;
+
+static SkipTree skip_tree(const Bvh *b)
+{
+    return (SkipTree){ b->base.geo, b->skips, b->order, (size_t)b->base.nodes };
+}
 
 enum { STACK = REFS_DEPTH_SAH + 34 };
 
 /* ---- building ---- */
+
+typedef enum { SAH, MEDIAN, MIDDLE, GS } Split;
 
 typedef struct {
     Bvh  *bvh;
     Ref  *refs;                 /* owned */
     Pair *pairs;                /* owned; grows */
     size_t npairs, cap_pairs;
-    bool  sah;
+    Split split;
     uint32_t leaf;              /* most primitives of a leaf */
+    uint32_t *left;             /* owned; of GS, see insertion.h */
 } Build;
 
-/* Sort refs[first .. first + count) into child `side` of a pair; the root has no pair. */
-typedef struct { uint32_t pair; int side; uint32_t first, count; int depth; } Task;
+/* Sort refs[first .. first + count) into child `side` of a pair; the root has no pair. `place` is
+ * the node's in the tree of GS. */
+typedef struct { uint32_t pair; int side; uint32_t first, count; int depth; size_t place; } Task;
 #define ROOT UINT32_MAX
 
 static void pair_set_box(Pair *p, int side, Box b)
@@ -73,9 +87,8 @@ static Box pair_box(const Pair *p, int side)
 
 static void make_leaf(Build *b, Link *link, const Task *t)
 {
-    link->first = t->first;
-    link->count = t->count;
-    for (uint32_t i = 0; i < t->count; i++)
+    *link = (Link){ b->bvh->order ? t->first : b->refs[t->first].prim, t->count };
+    for (uint32_t i = 0; b->bvh->order && i < t->count; i++)
         b->bvh->order[t->first + i] = b->refs[t->first + i].prim;
     b->bvh->base.leaves++;
     if (t->depth > b->bvh->base.depth)
@@ -89,9 +102,13 @@ static size_t choose_split(const Build *b, const Task *t, Box box, Box centres)
 
     if (t->count == 1)
         return 0;
-    if (b->sah && t->depth < REFS_DEPTH_SAH)
+    if (b->split == SAH && t->depth < REFS_DEPTH_SAH)
         return refs_split_sah(refs, t->count, box, centres, b->leaf, 1);
-    return t->count > b->leaf ? refs_split_median(refs, t->count, centres) : 0;
+    if (t->count <= b->leaf)
+        return 0;
+    if (b->split == MEDIAN || t->depth >= REFS_DEPTH_SAH)
+        return refs_split_median(refs, t->count, centres);
+    return b->split == GS ? b->left[t->place] : refs_split_middle(refs, t->count, centres);
 }
 
 /* Sets the box and the link of the task's node and, unless it became a leaf, gives the tasks of its
@@ -120,8 +137,9 @@ static bool make_node(Build *b, Task t, Task child[2], bool *inner)
         return true;
     }
     *link = (Link){ pair, 0 };
-    child[0] = (Task){ pair, 0, t.first, left, t.depth + 1 };
-    child[1] = (Task){ pair, 1, t.first + left, t.count - left, t.depth + 1 };
+    child[0] = (Task){ pair, 0, t.first, left, t.depth + 1, t.place + 1 };
+    child[1] = (Task){ pair, 1, t.first + left, t.count - left, t.depth + 1,
+                       t.place + 2 * (size_t)left };
     return true;
 }
 
@@ -130,7 +148,7 @@ static bool build_nodes(Build *b, uint32_t n)
     Task stack[STACK];
     int top = 0;
 
-    stack[top++] = (Task){ ROOT, 0, 0, n, 0 };
+    stack[top++] = (Task){ ROOT, 0, 0, n, 0, 0 };
     while (top) {
         Task child[2];
         bool inner;
@@ -161,40 +179,99 @@ static bool settle_pairs(Build *b)
     return true;
 }
 
+/* The pairs as nodes in the order of a walk. What follows a branch is known when it has been
+ * written: then its root is told. */
+static bool settle_skips(Build *b)
+{
+    Bvh *bvh = b->bvh;
+    struct { Link link; Box box; uint32_t branch; } stack[2 * STACK], now;
+    uint32_t n = 0;
+    int top = 0;
+
+    bvh->skips = MEM_ARRAY(SkipNode, 2 * b->npairs + 1);
+    if (!bvh->skips)
+        return false;
+    if (bvh->base.leaves) {
+        stack[top].link = bvh->root;
+        stack[top].box = bvh->box;
+        stack[top++].branch = ROOT;
+    }
+    while (top) {
+        now = stack[--top];
+        if (now.branch != ROOT) {                       /* all below `branch` is written */
+            bvh->skips[now.branch].next = n;
+            continue;
+        }
+        bvh->skips[n] = (SkipNode){ { now.box.lo.x, now.box.lo.y, now.box.lo.z },
+                                    now.link.count ? now.link.first : SKIP_INNER,
+                                    { now.box.hi.x, now.box.hi.y, now.box.hi.z },
+                                    now.link.count };
+        if (!now.link.count) {
+            stack[top++].branch = n;
+            for (int side = 1; side >= 0; side--, top++) {
+                stack[top].link = b->pairs[now.link.first].child[side];
+                stack[top].box = pair_box(&b->pairs[now.link.first], side);
+                stack[top].branch = ROOT;
+            }
+        }
+        n++;
+    }
+    return true;
+}
+
 static void drop(Accel *a)
 {
     Bvh *b = (Bvh *)a;
     mem_free(b->memory);
     mem_free(b->order);
+    mem_free(b->skips);
     mem_free(b);
+}
+
+static Split split_of(const Opts *o)
+{
+    return opt_is(o, "split", "median") ? MEDIAN : opt_is(o, "split", "middle") ? MIDDLE
+           : opt_is(o, "split", "gs") ? GS : SAH;
+}
+
+/* Memory, and the order of insertion. */
+static bool prepare(Build *b, const Geometry *g, uint32_t n)
+{
+    b->refs = MEM_ARRAY(Ref, n);
+    if (b->leaf > 1)
+        b->bvh->order = MEM_ARRAY(uint32_t, n);
+    if (!b->refs || (b->leaf > 1 && !b->bvh->order))
+        return false;
+    refs_init(b->refs, g);
+    if (b->split != GS || n == 0)
+        return true;
+    b->left = MEM_ARRAY(uint32_t, 2 * (size_t)n - 1);
+    return b->left && insertion_sort(b->refs, n, b->left);
 }
 
 static Accel *build(const Geometry *g, const Opts *o, int threads)
 {
     uint32_t n = geometry_prims(g);
-    Build b = { MEM_NEW(Bvh), NULL, NULL, 0, 0, opt_is(o, "split", "sah"),
-                (uint32_t)opt_int(o, "leaf") };
-    bool ok = false;
+    Build b = { MEM_NEW(Bvh), NULL, NULL, 0, 0, split_of(o), (uint32_t)opt_int(o, "leaf"), NULL };
+    bool skip = opt_is(o, "layout", "skip"), ok;
 
     (void)threads;
     if (!b.bvh)
         return NULL;
     b.bvh->base.geo = g;
     b.bvh->box = box_empty();
-    b.refs = MEM_ARRAY(Ref, n);
-    b.bvh->order = MEM_ARRAY(uint32_t, n);
-    if (b.refs && b.bvh->order) {
-        refs_init(b.refs, g);
-        ok = (n == 0 || build_nodes(&b, n)) && settle_pairs(&b);
-    }
+    ok = prepare(&b, g, n) && (n == 0 || build_nodes(&b, n)) &&
+         (skip ? settle_skips(&b) : settle_pairs(&b));
     mem_free(b.refs);
     mem_free(b.pairs);
+    mem_free(b.left);
     if (!ok) {
         drop(&b.bvh->base);
         return NULL;
     }
     b.bvh->base.nodes = n ? 2 * b.npairs + 1 : 0;
-    b.bvh->base.bytes = sizeof *b.bvh + b.npairs * sizeof(Pair) + n * sizeof(uint32_t);
+    b.bvh->base.bytes = sizeof *b.bvh + (b.bvh->order ? n * sizeof(uint32_t) : 0) +
+                        (skip ? b.bvh->base.nodes * sizeof(SkipNode) : b.npairs * sizeof(Pair));
     return &b.bvh->base;
 }
 
@@ -235,6 +312,9 @@ INLINE int pair_enter(const PairProbe *q, const Pair *p, float tmax, F4 *near)
 
 typedef struct { Link link; float near; uint32_t unused; } Waiting; /* 16 bytes: no multiplying */
 
+/* Of a leaf the primitive i; see Link. */
+INLINE uint32_t prim_of(const Bvh *b, uint32_t i) { return b->order ? b->order[i] : i; }
+
 /* The nearer child first; the other waits with its entry, and is dropped when a hit lies before
  * that. `steps` is NULL in all calls but one, and then the counting costs nothing. */
 INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
@@ -271,7 +351,7 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
             if (steps)
                 steps->prims += link.count;
             for (uint32_t i = link.first; i < link.first + link.count; i++)
-                prim_nearest(g, b->order[i], r, &p, h, steps);
+                prim_nearest(g, prim_of(b, i), r, &p, h, steps);
         }
         do {
             if (top == stack)
@@ -311,7 +391,7 @@ INLINE bool blocked_steps(const Bvh *b, const Ray *r, Steps *steps)
             for (uint32_t i = link.first; i < link.first + link.count; i++) {
                 if (steps)
                     steps->prims++;
-                if (prim_blocks(g, b->order[i], r, &p, steps))
+                if (prim_blocks(g, prim_of(b, i), r, &p, steps))
                     return true;
             }
         }
@@ -326,6 +406,10 @@ static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
     const Bvh *b = (const Bvh *)a;
     if (UNLIKELY(a->nodes == 0))
         return hit_none(h, r->tmax);
+    if (b->skips) {
+        SkipTree t = skip_tree(b);
+        return skip_nearest(&t, r, h, steps);
+    }
     return UNLIKELY(steps != NULL) ? nearest_steps(b, r, h, steps) : nearest_steps(b, r, h, NULL);
 }
 
@@ -334,6 +418,10 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
     const Bvh *b = (const Bvh *)a;
     if (UNLIKELY(a->nodes == 0))
         return false;
+    if (b->skips) {
+        SkipTree t = skip_tree(b);
+        return skip_blocked(&t, r, steps);
+    }
     return UNLIKELY(steps != NULL) ? blocked_steps(b, r, steps) : blocked_steps(b, r, NULL);
 }
 
@@ -348,7 +436,7 @@ static bool bad(char *why, size_t room, const char *what, size_t where)
 static bool check_leaf(const Bvh *b, Link l, Box box, unsigned char *seen, char *why, size_t room)
 {
     for (uint32_t k = l.first; k < l.first + l.count; k++) {
-        uint32_t prim = b->order[k];
+        uint32_t prim = prim_of(b, k);
         if (prim >= geometry_prims(b->base.geo) || seen[prim]++)
             return bad(why, room, "a primitive that does not exist or stands twice in the leaf", k);
         if (!box_holds(box, geometry_box(b->base.geo, prim)))
@@ -371,10 +459,9 @@ static bool check_link(const Bvh *b, uint32_t self, Link l, Box box, unsigned ch
     return true;
 }
 
-static bool validate(const Accel *a, char *why, size_t room)
+static bool validate_pairs(const Bvh *b, char *why, size_t room)
 {
-    const Bvh *b = (const Bvh *)a;
-    uint32_t n = geometry_prims(a->geo);
+    uint32_t n = geometry_prims(b->base.geo);
     unsigned char *seen = MEM_ARRAY(unsigned char, n);
     bool ok = seen && (n == 0 || check_link(b, ROOT, b->root, b->box, seen, why, room));
 
@@ -389,16 +476,26 @@ static bool validate(const Accel *a, char *why, size_t room)
     return ok;
 }
 
+static bool validate(const Accel *a, char *why, size_t room)
+{
+    const Bvh *b = (const Bvh *)a;
+    SkipTree t = skip_tree(b);
+    return b->skips ? skip_validate(&t, why, room) : validate_pairs(b, why, room);
+}
+
 static const OptDef options[] = {
-    { .key = "split", .type = OPT_CHOICE, .str = "sah", .choices = "sah median",
-      .help = "where to divide: surface area heuristic, or the middle object on the longest axis" },
+    { .key = "split", .type = OPT_CHOICE, .str = "sah", .choices = "sah median middle gs",
+      .help = "surface area heuristic; the middle object, or the middle of the longest axis; "
+              "insertion" },
+    { .key = "layout", .type = OPT_CHOICE, .str = "pairs", .choices = "pairs skip",
+      .help = "siblings side by side, or in the order of a walk, which needs no stack" },
     { .key = "leaf", .type = OPT_INT, .num = 4, .lo = 1, .hi = 64, .also = "maxnodeprims",
       .help = "most primitives of a leaf" },
     { .key = NULL }
 };
 
 const AccelKind accel_bvh = {
-    .info = { "bvh", "Cline07 2.2.3, 3.2.3; Wald07", "binary tree of boxes, 32 bytes a node",
-              options },
+    .info = { "bvh", "Cline07 2.2.3, 3.2.3; Wald07; Goldsmith87; Smits98",
+              "binary tree of boxes, 32 bytes a node", options },
     .build = build, .nearest = nearest, .blocked = blocked, .validate = validate, .free = drop
 };

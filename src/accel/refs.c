@@ -85,6 +85,31 @@ size_t refs_split_median(Ref *refs, size_t n, Box centres)
     return n / 2;
 }
 
+/* refs[0..k) become those whose centres lie below x on the axis. */
+static size_t divide_refs(Ref *refs, size_t n, int axis, float x)
+{
+    size_t i = 0, j = n;
+
+    while (i < j) {
+        if (ref_centre(&refs[i], axis) < x)
+            i++;
+        else {
+            Ref swap = refs[i];
+            refs[i] = refs[--j];
+            refs[j] = swap;
+        }
+    }
+    return i;
+}
+
+size_t refs_split_middle(Ref *refs, size_t n, Box centres)
+{
+    int axis = longest_axis(centres);
+    size_t k = divide_refs(refs, n, axis,
+                           0.5f * v_axis(centres.lo, axis) + 0.5f * v_axis(centres.hi, axis));
+    return k > 0 && k < n ? k : refs_split_median(refs, n, centres);
+}
+
 typedef struct { Box box; uint32_t n; } Bin;
 
 static int bin_of(const Ref *r, int axis, float lo, float scale)

@@ -24,6 +24,9 @@ void refs_bounds(const Ref *refs, size_t n, Box *box, Box *centres);
 /* The middle object on the longest axis of the centres. */
 size_t refs_split_median(Ref *refs, size_t n, Box centres);
 
+/* The middle of the longest axis of the centres; the middle object where all are on one side. */
+size_t refs_split_middle(Ref *refs, size_t n, Box centres);
+
 /* Between two of 16 bins on the axis where the sum over sides of area times cost is least; the cost
  * of m primitives is that of m / block groups, rounded up. 0: one leaf, where n <= leaf and no
  * split is cheaper than that; a visit of a node is taken to cost as much as a group. */

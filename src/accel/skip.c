@@ -1,0 +1,130 @@
+/* skip.c -- queries of a tree that is walked without a stack. See skip.h.
+ *
+ * Order   That of the array, whatever the ray: half of the rays meet the far child first, and look
+ *         into more boxes than they would with a stack. That is what a stack buys. */
+#include "accel/skip.h"
+
+#include "accel/prim.h"
+#include "base/mem.h"
+
+#include <stdio.h>
+
+INLINE uint32_t prim_of(const SkipTree *t, uint32_t i) { return t->order ? t->order[i] : i; }
+
+/* Does the ray meet the node's box? The layout is that which slabs() wants. */
+INLINE bool enters(const Probe *p, const SkipNode *n, float tmax)
+{
+    float near, far;
+    return slabs(p, n->lo, tmax, &near, &far);
+}
+
+bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
+{
+    Probe p;
+
+    hit_none(h, r->tmax);
+    probe_init(&p, r);
+    for (size_t k = 0; k < t->n;) {
+        const SkipNode *n = &t->nodes[k];
+        bool leaf = n->first != SKIP_INNER;
+        if (steps)
+            steps->nodes++;
+        if (!enters(&p, n, h->t)) {
+            k = leaf ? k + 1 : n->next;
+            continue;
+        }
+        if (leaf) {
+            if (steps)
+                steps->prims += n->next;
+            for (uint32_t i = n->first; i < n->first + n->next; i++)
+                prim_nearest(t->geo, prim_of(t, i), r, &p, h, steps);
+        }
+        k++;
+    }
+    return h->outer != NO_PRIM;
+}
+
+bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps)
+{
+    Probe p;
+
+    probe_init(&p, r);
+    for (size_t k = 0; k < t->n;) {
+        const SkipNode *n = &t->nodes[k];
+        bool leaf = n->first != SKIP_INNER;
+        if (steps)
+            steps->nodes++;
+        if (!enters(&p, n, r->tmax)) {
+            k = leaf ? k + 1 : n->next;
+            continue;
+        }
+        for (uint32_t i = 0; leaf && i < n->next; i++) {
+            if (steps)
+                steps->prims++;
+            if (prim_blocks(t->geo, prim_of(t, n->first + i), r, &p, steps))
+                return true;
+        }
+        k++;
+    }
+    return false;
+}
+
+/* ---- checking ---- */
+
+static bool bad(char *why, size_t room, const char *what, size_t where)
+{
+    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
+    return false;
+}
+
+static Box box_of(const SkipNode *n)
+{
+    return (Box){ v3(n->lo[0], n->lo[1], n->lo[2]), v3(n->hi[0], n->hi[1], n->hi[2]) };
+}
+
+static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *why, size_t room)
+{
+    const SkipNode *n = &t->nodes[k];
+    uint32_t prims = geometry_prims(t->geo);
+
+    if (n->next > prims || n->first > prims - n->next)
+        return bad(why, room, "a leaf of primitives that do not exist", k);
+    for (uint32_t i = n->first; i < n->first + n->next; i++) {
+        uint32_t prim = prim_of(t, i);
+        if (prim >= prims || seen[prim]++)
+            return bad(why, room, "a primitive that does not exist or stands twice in leaf", k);
+        if (!box_holds(box_of(n), geometry_box(t->geo, prim)))
+            return bad(why, room, "a primitive sticks out of leaf", k);
+    }
+    return true;
+}
+
+/* What is below node k is k + 1 to next; the box of a node held by its parent's is held by all
+ * above. */
+bool skip_validate(const SkipTree *t, char *why, size_t room)
+{
+    unsigned char *seen = MEM_ARRAY(unsigned char, geometry_prims(t->geo));
+    uint32_t *above = MEM_ARRAY(uint32_t, t->n);        /* the branches that node k is in */
+    size_t depth = 0;
+    bool ok = seen && above;
+
+    for (size_t k = 0; ok && k < t->n; k++) {
+        const SkipNode *n = &t->nodes[k];
+        while (depth && t->nodes[above[depth - 1]].next <= k)
+            depth--;
+        if (depth && !box_holds(box_of(&t->nodes[above[depth - 1]]), box_of(n)))
+            ok = bad(why, room, "a child's box sticks out of the node", above[depth - 1]);
+        else if (n->first != SKIP_INNER)
+            ok = check_leaf(t, k, seen, why, room);
+        else if (n->next <= k + 1 || n->next > (depth ? t->nodes[above[depth - 1]].next : t->n))
+            ok = bad(why, room, "a branch that ends outside of its parent's", k);
+        else
+            above[depth++] = (uint32_t)k;
+    }
+    for (uint32_t i = 0; ok && i < geometry_prims(t->geo); i++)
+        if (!seen[i])
+            ok = bad(why, room, "no leaf holds the primitive", i);
+    mem_free(seen);
+    mem_free(above);
+    return ok;
+}

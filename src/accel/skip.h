@@ -1,0 +1,33 @@
+/* skip.h -- a binary tree of boxes without a stack: nodes in the order of a walk through all of
+ * them, each with the place to go on at when its box is not met.
+ *
+ * Source  [Smits98], named in [Cline07 3.2.3]. */
+#ifndef ACCEL_SKIP_H
+#define ACCEL_SKIP_H
+
+#include "accel/accel.h"
+
+/* 32 bytes: the box, the first primitive in leaf order, and where to go on. */
+typedef struct {
+    float    lo[3];
+    uint32_t first;             /* of a leaf; SKIP_INNER: no leaf */
+    float    hi[3];
+    uint32_t next;              /* inner: the node after all that is below; leaf: its primitives */
+} SkipNode;
+#define SKIP_INNER UINT32_MAX
+
+typedef struct {
+    const Geometry *geo;        /* borrowed */
+    const SkipNode *nodes;      /* borrowed */
+    const uint32_t *order;      /* borrowed; NULL: primitives are in leaf order as they are */
+    size_t n;                   /* nodes; 0: nothing to meet */
+} SkipTree;
+
+/* The queries of accel.h. */
+bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps);
+bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps);
+
+/* Each node's box holds what is below it, and each primitive is in one leaf. */
+bool skip_validate(const SkipTree *t, char *why, size_t room);
+
+#endif
