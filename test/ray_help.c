@@ -116,6 +116,12 @@ Accel *setting_build(const Setting *s, const Geometry *g)
     return a;
 }
 
+uint64_t prims_most(const Accel *a)
+{
+    uint64_t n = geometry_prims(a->geo);
+    return a->refs > n ? a->refs : n;
+}
+
 /* ---- chance ---- */
 
 float rng_between(Rng *r, float lo, float hi) { return lo + (hi - lo) * rng_unit(r); }

@@ -76,7 +76,7 @@ static void check_counted(Target *t, int k, const Batch *b)
         if (i % 4 == 0 && (accel_nearest(a, &b->ray[i], &single) != b->is[i] ||
                            memcmp(&single, &b->hit[i], sizeof single)))
             mismatch(t, k, b, i, "another hit for the single ray");
-        if (t->flat && (steps.nodes > a->nodes || steps.prims > geometry_prims(a->geo)))
+        if (t->flat && (steps.nodes > a->nodes || steps.prims > prims_most(a)))
             mismatch(t, k, b, i, "too many steps");
     }
 }
@@ -93,7 +93,7 @@ static void check_blocked(Target *t, int k, const Batch *b)
             mismatch(t, k, b, i, "blocked differs");
         if (many[i] != b->is[i])
             mismatch(t, k, b, i, "blocked differs in a batch");
-        if (t->flat && (steps.nodes > a->nodes || steps.prims > geometry_prims(a->geo)))
+        if (t->flat && (steps.nodes > a->nodes || steps.prims > prims_most(a)))
             mismatch(t, k, b, i, "too many steps");
     }
 }

@@ -12,8 +12,9 @@ static void check_tree(const Setting *s, const Accel *a, const char *what)
     char why[120] = "";
     EXPECT(a->kind->validate(a, why, sizeof why), "%s, %s: %s", s->name, what, why);
     EXPECT(a->depth >= 0 && a->depth <= DEPTH_MOST, "%s, %s: depth %d", s->name, what, a->depth);
-    EXPECT(a->leaves <= geometry_prims(a->geo) + (size_t)1, "%s, %s: %lu leaves of %lu primitives",
-           s->name, what, (unsigned long)a->leaves, (unsigned long)geometry_prims(a->geo));
+    EXPECT(a->leaves <= (a->refs ? a->nodes : geometry_prims(a->geo) + (uint64_t)1),
+           "%s, %s: %lu leaves of %lu primitives", s->name, what, (unsigned long)a->leaves,
+           (unsigned long)geometry_prims(a->geo));
 }
 
 static void build_all(Mesh *m, const char *what)
@@ -183,7 +184,7 @@ static void garbage_ray(const Accel *a, Rng *rng, const char *what)
     EXPECT(!is || (h.prim < geometry_prims(a->geo) && h.t > 0.0f && !(h.t > r.tmax)),
            "%s: hit of %lu at %a for %s", what, (unsigned long)h.prim, (double)h.t, ray_text(&r));
     EXPECT(near.nodes <= a->nodes && any.nodes <= a->nodes &&
-           near.prims <= geometry_prims(a->geo) && any.prims <= geometry_prims(a->geo),
+           near.prims <= prims_most(a) && any.prims <= prims_most(a),
            "%s: too many steps for %s", what, ray_text(&r));
 }
 

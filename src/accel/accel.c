@@ -7,6 +7,8 @@
 #define ACCELS(X)                                                              \
     X(brute)                    /* the reference */                            \
     X(bvh)                      /* binary tree of boxes */                     \
+    X(grid)                     /* equal cells, grids within dense ones */     \
+    X(kdtree)                   /* space divided by planes */                  \
     X(wide)                     /* eight children a node; the default */
 #define DECLARE(name) extern const AccelKind accel_##name;
 #define ENTRY(name) &accel_##name,

@@ -45,6 +45,8 @@ struct Accel {                  /* first member of every concrete structure */
     const Geometry  *geo;       /* borrowed: outlives the structure */
     size_t   bytes;             /* of the structure alone, without the geometry */
     uint64_t nodes, leaves;
+    uint64_t refs;              /* primitives in leaves, if one may stand in several; else 0. No
+                                 * query tests more primitives than that (or than there are). */
     int      depth;
 };
 

@@ -1,0 +1,604 @@
+/* kdtree.c -- space divided by planes across the axes, two halves a node.
+ *
+ * Source      [Cline07 2.2.2, 3.2.3] the node of 8 bytes; [WaldHavran06] the surface area heuristic
+ *             and the clipping of triangles to cells; mailboxes [Amanatides87].
+ * Layout      A node has its plane and where the upper child is; the lower child is the next node.
+ *             A leaf has a run of `entry`, which lists the primitives that are in its cell.
+ * Split       Of the planes beside the boxes of the primitives that one is taken for which the sum
+ *             over sides of area times primitives is least; cells with nothing in them are worth a
+ *             fifth more. Cells of many primitives look at 32 planes an axis only.
+ * No hit lost A primitive is in all cells that it touches but for `slack`, and a ray is in all
+ *             those that line.h says it may be in: so no hit at the border of a cell is missed,
+ *             however the plane is rounded. The first hit that is found is not the last word: the
+ *             walk goes on until cells begin behind it. */
+#include "accel/accel.h"
+#include "accel/line.h"
+#include "accel/prim.h"
+#include "base/mem.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PLANES = 32, FEW = 64, DEPTH_MOST = 64, ENTRIES_MOST = 12 };
+
+/* The kind is the axis of the plane, or LEAF. */
+typedef struct {
+    union { float plane; uint32_t first; } at;  /* first: of a leaf, in `entry` */
+    uint32_t link;              /* kind + 4 * (inner: the upper child; leaf: its primitives) */
+} Node;
+typedef char node_has_8_bytes[sizeof(Node) == 8 ? 1 : -1];
+enum { LEAF = 3 };
+
+static int kind_of(const Node *n) { return (int)(n->link & 3); }
+static uint32_t number_of(const Node *n) { return n->link >> 2; }
+
+typedef struct {
+    Accel  base;
+    Box    box;                 /* of everything */
+    double slack;
+    Node  *nodes;               /* owned */
+    uint32_t *entry;            /* owned */
+    size_t nnodes, nentries, cap_nodes, cap_entries;
+} KdTree;
+
+/* ---- building ---- */
+
+/* The part of a primitive that is in a cell. */
+typedef struct { Box box; uint32_t prim; } Part;
+
+typedef struct {
+    KdTree *tree;
+    double  visit;              /* what it costs to pass a node, in tests of primitives */
+    uint32_t leaf;              /* cells with so few are not divided */
+    int     depth;              /* the most that is sensible */
+    size_t  entries_most;
+    Part   *part;               /* owned; a stack of lists: those of a node on top of its parent's */
+    size_t  nparts, cap_parts;
+} Build;
+
+/* A plane and its cost; axis < 0: none is better than a leaf. */
+typedef struct { int axis; float plane; double cost; } Choice;
+
+static float axis_set(Box *b, bool upper, int axis, float x)
+{
+    float *p = upper ? &b->hi.x : &b->lo.x;
+    return p[axis] = x;
+}
+
+static double area(Box b)
+{
+    double x = (double)b.hi.x - b.lo.x, y = (double)b.hi.y - b.lo.y, z = (double)b.hi.z - b.lo.z;
+    return x * y + y * z + z * x;
+}
+
+/* The cost of the plane with so many primitives below and above it. */
+static void consider(const Build *b, Box cell, int axis, float plane, size_t below, size_t above,
+                     Choice *best)
+{
+    Box lower = cell, upper = cell;
+    double cost;
+
+    if (!(plane > v_axis(cell.lo, axis) && plane < v_axis(cell.hi, axis)))
+        return;
+    axis_set(&lower, true, axis, plane);
+    axis_set(&upper, false, axis, plane);
+    cost = b->visit + (area(lower) * (double)below + area(upper) * (double)above) / area(cell);
+    if (below == 0 || above == 0)
+        cost *= 0.8;
+    if (cost < best->cost)
+        *best = (Choice){ axis, plane, cost };
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* How many of the sorted numbers are below x, or not above it. */
+static size_t count_below(const float *v, size_t n, float x, bool equal)
+{
+    size_t lo = 0;
+    while (n > 0) {
+        size_t half = n / 2;
+        if (v[lo + half] < x || (equal && v[lo + half] == x)) {
+            lo += half + 1;
+            n -= half + 1;
+        } else
+            n = half;
+    }
+    return lo;
+}
+
+/* A primitive is below a plane if its part begins at most `slack` above it. The planes that are
+ * tried stand off the ends of parts, so that what ends there is on one side only. */
+static void consider_ends(const Build *b, Box cell, int axis, const Part *part, size_t n,
+                          Choice *best)
+{
+    float lo[FEW], hi[FEW], slack = (float)b->tree->slack;
+
+    for (size_t i = 0; i < n; i++) {
+        lo[i] = v_axis(part[i].box.lo, axis);
+        hi[i] = v_axis(part[i].box.hi, axis);
+    }
+    qsort(lo, n, sizeof *lo, compare_floats);
+    qsort(hi, n, sizeof *hi, compare_floats);
+    for (size_t i = 0; i < 2 * n; i++) {
+        float plane = i < n ? lo[i] - 2 * slack : hi[i - n] + 2 * slack;
+        consider(b, cell, axis, plane, count_below(lo, n, plane + slack, true),
+                 n - count_below(hi, n, plane - slack, false), best);
+    }
+}
+
+/* The slice of a cell that holds x, of PLANES + 1. */
+static int slice_of(float x, float from, float per)
+{
+    float i = (x - from) * per;
+    return i >= PLANES ? PLANES : i > 0 ? (int)i : 0;
+}
+
+/* Planes at equal distances. */
+static void consider_slices(const Build *b, Box cell, int axis, const Part *part, size_t n,
+                            Choice *best)
+{
+    float from = v_axis(cell.lo, axis), step = (v_axis(cell.hi, axis) - from) / (PLANES + 1);
+    size_t begin[PLANES + 1] = { 0 }, end[PLANES + 1] = { 0 }, below = 0, above = n;
+
+    for (size_t i = 0; i < n; i++) {
+        begin[slice_of(v_axis(part[i].box.lo, axis), from, 1 / step)]++;
+        end[slice_of(v_axis(part[i].box.hi, axis), from, 1 / step)]++;
+    }
+    for (int i = 0; i < PLANES; i++) {
+        below += begin[i];
+        above -= end[i];
+        consider(b, cell, axis, from + (float)(i + 1) * step, below, above, best);
+    }
+}
+
+/* A convex polygon: four corners, and one more for each of two cuts. */
+typedef struct { double p[6][3]; int n; } Polygon;
+
+/* Keeps what lies below x on the axis (sign 1) or above it (-1). */
+static void cut(Polygon *g, int axis, double x, double sign)
+{
+    Polygon out;
+
+    out.n = 0;
+    for (int i = 0; i < g->n; i++) {
+        const double *a = g->p[i], *b = g->p[(i + 1) % g->n];
+        double in_a = sign * (x - a[axis]), in_b = sign * (x - b[axis]);
+        if (in_a >= 0 && out.n < 6)
+            memcpy(out.p[out.n++], a, sizeof out.p[0]);
+        if ((in_a >= 0) != (in_b >= 0) && out.n < 6) {
+            double *p = out.p[out.n++], f = in_a / (in_a - in_b);
+            for (int k = 0; k < 3; k++)
+                p[k] = a[k] + f * (b[k] - a[k]);
+            p[axis] = x;
+        }
+    }
+    *g = out;
+}
+
+/* The plane of a triangle over the sides of a box that it faces. *axis is that which it stands
+ * across most. False: it has no plane. */
+static bool plane_over(const V3 c[3], Box b, Polygon *g, int *axis)
+{
+    double n[3], most = 0;
+    int l, m;
+
+    for (int k = 0; k < 3; k++) {
+        l = (k + 1) % 3;
+        m = (k + 2) % 3;
+        n[k] = ((double)v_axis(c[1], l) - v_axis(c[0], l)) *
+                   ((double)v_axis(c[2], m) - v_axis(c[0], m)) -
+               ((double)v_axis(c[1], m) - v_axis(c[0], m)) *
+                   ((double)v_axis(c[2], l) - v_axis(c[0], l));
+        if (fabs(n[k]) > most) {
+            most = fabs(n[k]);
+            *axis = k;
+        }
+    }
+    if (!(most > 0 && most < DBL_MAX))
+        return false;
+    l = (*axis + 1) % 3;
+    m = (*axis + 2) % 3;
+    g->n = 4;
+    for (int i = 0; i < 4; i++) {
+        double *p = g->p[i];
+        p[l] = v_axis(i == 0 || i == 3 ? b.lo : b.hi, l);
+        p[m] = v_axis(i < 2 ? b.lo : b.hi, m);
+        p[*axis] = v_axis(c[0], *axis) - (n[l] * (p[l] - v_axis(c[0], l)) +
+                                          n[m] * (p[m] - v_axis(c[0], m))) / n[*axis];
+    }
+    return true;
+}
+
+/* Makes the part's box that of what the cell has of it; false: nothing. Of a triangle that is what
+ * its plane has within its box, not the triangle: of a ray that runs within the plane any point of
+ * it in the box may be said to be met. A cell counts as `slack` larger, twice that for what is
+ * rounded here. */
+static bool part_in(const KdTree *t, Box cell, Part *part)
+{
+    float slack = 2 * (float)t->slack;
+    Box all = geometry_box(t->base.geo, part->prim), in = box_empty();
+    Polygon g;
+    V3 c[3];
+    int axis = 0;
+
+    all.lo = v_max(all.lo, v_sub(cell.lo, v_all(slack)));
+    all.hi = v_min(all.hi, v_add(cell.hi, v_all(slack)));
+    if (box_is_empty(all))
+        return false;
+    part->box = all;
+    if (!geometry_is_tri(t->base.geo, part->prim))
+        return true;
+    geometry_corners(t->base.geo, part->prim, c);
+    if (!plane_over(c, all, &g, &axis))
+        return true;
+    cut(&g, axis, v_axis(all.hi, axis) + (double)slack, 1);
+    cut(&g, axis, v_axis(all.lo, axis) - (double)slack, -1);
+    for (int i = 0; i < g.n; i++)
+        in = box_point(in, v3((float)g.p[i][0], (float)g.p[i][1], (float)g.p[i][2]));
+    if (box_is_empty(in))
+        return false;
+    part->box.lo = v_max(in.lo, all.lo);
+    part->box.hi = v_min(in.hi, all.hi);
+    return true;
+}
+
+/* Puts the parts on one side of a plane, in their cell, on the stack. */
+static bool push_parts(Build *b, size_t first, size_t n, Choice c, Box cell, bool upper)
+{
+    double slack = b->tree->slack;
+
+    if (!mem_grow(&b->part, &b->cap_parts, b->nparts + n, sizeof *b->part))
+        return false;
+    for (size_t i = first; i < first + n; i++) {
+        Part p = b->part[i];
+        bool in = upper ? v_axis(p.box.hi, c.axis) >= c.plane - slack
+                        : v_axis(p.box.lo, c.axis) <= c.plane + slack;
+        if (in && part_in(b->tree, cell, &p))
+            b->part[b->nparts++] = p;
+    }
+    return true;
+}
+
+static Choice choose(const Build *b, const Part *part, size_t n, Box cell)
+{
+    Choice best = { -1, 0, (double)n };
+
+    for (int axis = 0; axis < 3; axis++)
+        if (n <= FEW)
+            consider_ends(b, cell, axis, part, n, &best);
+        else
+            consider_slices(b, cell, axis, part, n, &best);
+    return best;
+}
+
+static bool make_leaf(Build *b, size_t at, const Part *part, size_t n, int depth)
+{
+    KdTree *t = b->tree;
+
+    if (!mem_grow(&t->entry, &t->cap_entries, t->nentries + n, sizeof *t->entry))
+        return false;
+    t->nodes[at].at.first = (uint32_t)t->nentries;
+    t->nodes[at].link = LEAF | (uint32_t)n << 2;
+    for (size_t i = 0; i < n; i++)
+        t->entry[t->nentries++] = part[i].prim;
+    t->base.leaves++;
+    t->base.depth = depth > t->base.depth ? depth : t->base.depth;
+    return true;
+}
+
+/* The node of the parts from `first` to the top of the stack, and all below it. By recursion: no
+ * deeper than the tree. */
+static bool make_node(Build *b, size_t first, Box cell, int depth)
+{
+    KdTree *t = b->tree;
+    size_t at = t->nnodes, n = b->nparts - first, upper = b->nparts, lower;
+    Box lower_cell = cell, upper_cell = cell;
+    Choice c = { -1, 0, 0 };
+
+    if (!mem_grow(&t->nodes, &t->cap_nodes, at + 1, sizeof *t->nodes))
+        return false;
+    t->nnodes++;
+    if (n > b->leaf && depth < b->depth && t->nentries + n < b->entries_most)
+        c = choose(b, b->part + first, n, cell);
+    if (c.axis < 0)
+        return make_leaf(b, at, b->part + first, n, depth);
+    axis_set(&lower_cell, true, c.axis, c.plane);
+    axis_set(&upper_cell, false, c.axis, c.plane);
+    if (!push_parts(b, first, n, c, upper_cell, true))
+        return false;
+    lower = b->nparts;
+    if (!push_parts(b, first, n, c, lower_cell, false) ||
+        !make_node(b, lower, lower_cell, depth + 1))
+        return false;
+    b->nparts = lower;
+    t->nodes[at].at.plane = c.plane;
+    t->nodes[at].link = (uint32_t)c.axis | (uint32_t)t->nnodes << 2;
+    if (!make_node(b, upper, upper_cell, depth + 1))
+        return false;
+    b->nparts = upper;
+    return true;
+}
+
+static void drop(Accel *a)
+{
+    KdTree *t = (KdTree *)a;
+    mem_free(t->nodes);
+    mem_free(t->entry);
+    mem_free(t);
+}
+
+/* Memory of just their size. */
+static bool settle(KdTree *t)
+{
+    Node *nodes = MEM_ARRAY(Node, t->nnodes);
+    uint32_t *entry = MEM_ARRAY(uint32_t, t->nentries);
+
+    if (!nodes || !entry) {
+        mem_free(nodes);
+        mem_free(entry);
+        return false;
+    }
+    memcpy(nodes, t->nodes, t->nnodes * sizeof *nodes);
+    if (t->nentries)
+        memcpy(entry, t->entry, t->nentries * sizeof *entry);
+    mem_free(t->nodes);
+    mem_free(t->entry);
+    t->nodes = nodes;
+    t->entry = entry;
+    t->base.nodes = t->nnodes;
+    t->base.refs = t->nentries;
+    t->base.bytes = sizeof *t + t->nnodes * sizeof *nodes + t->nentries * sizeof *entry;
+    return true;
+}
+
+/* [WaldHavran06 4.1]: 8 + 1.3 log2 n. */
+static int sensible_depth(size_t n)
+{
+    int bits = 0;
+    while (n >> bits)
+        bits++;
+    return 8 + 13 * bits / 10 < DEPTH_MOST ? 8 + 13 * bits / 10 : DEPTH_MOST;
+}
+
+/* All primitives on the stack, the box and the slack of them. */
+static bool begin(Build *b, const Geometry *g, uint32_t n)
+{
+    KdTree *t = b->tree;
+
+    if (!mem_grow(&b->part, &b->cap_parts, n, sizeof *b->part))
+        return false;
+    t->box = box_empty();
+    for (uint32_t i = 0; i < n; i++) {
+        b->part[b->nparts++] = (Part){ geometry_box(g, i), i };
+        t->box = box_join(t->box, b->part[i].box);
+    }
+    t->slack = line_slack(t->box);
+    return true;
+}
+
+static Accel *build(const Geometry *g, const Opts *o, int threads)
+{
+    uint32_t n = geometry_prims(g);
+    KdTree *t = MEM_NEW(KdTree);
+    Build b = { t, (double)opt_float(o, "visit"), (uint32_t)opt_int(o, "leaf"), sensible_depth(n),
+                ENTRIES_MOST * (size_t)n, NULL, 0, 0 };
+    bool ok;
+
+    (void)threads;
+    if (!t)
+        return NULL;
+    t->base.geo = g;
+    if (n == 0)
+        return &t->base;
+    ok = n < 1u << 25;                  /* nodes and entries are counted in 30 bits */
+    if (!ok)
+        err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"kdtree\", "
+               "expected less than 2^25", (unsigned long)n);
+    ok = ok && begin(&b, g, n) && make_node(&b, 0, t->box, 0) && settle(t);
+    mem_free(b.part);
+    if (!ok) {
+        drop(&t->base);
+        return NULL;
+    }
+    return &t->base;
+}
+
+/* ---- queries ---- */
+
+/* A branch that waits, and the part of the ray that may be in it. */
+typedef struct { double near, far; uint32_t node; } Waiting;
+
+/* Which children the ray may be in between near and far: sets the first to go on with and, unless
+ * there is one only, what waits. */
+INLINE uint32_t next_node(const KdTree *t, uint32_t at, const Line *l, double *near, double *far,
+                          Waiting **top)
+{
+    const Node *n = &t->nodes[at];
+    int axis = kind_of(n);
+    double plane = n->at.plane, d = l->d[axis];
+    double a = l->o[axis] + *near * d, b = l->o[axis] + *far * d;
+    double m = d_max(line_margin(l, axis, *near), line_margin(l, axis, *far));
+    uint32_t lower = at + 1, upper = number_of(n);
+    double meet, doubt;
+
+    if (a > plane + m && b > plane + m)
+        return upper;
+    if (a < plane - m && b < plane - m)
+        return lower;
+    *(*top) = (Waiting){ *near, *far, d > 0 ? upper : lower };
+    if (d != 0) {
+        meet = (plane - l->o[axis]) / d;
+        doubt = line_doubt(l, axis, meet);
+        (*top)->near = d_max(*near, meet - doubt);
+        *far = d_min(*far, meet + doubt);
+    }
+    ++*top;
+    return d > 0 ? lower : upper;
+}
+
+static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
+{
+    float b[8] = { t->box.lo.x, t->box.lo.y, t->box.lo.z, 0,
+                   t->box.hi.x, t->box.hi.y, t->box.hi.z, 0 }, enter, leave;
+    Waiting stack[DEPTH_MOST + 1], *top = stack;
+    Mailbox tested;
+    Probe p;
+    Line l;
+    bool follows;
+    double near, far;
+    uint32_t at = 0;
+
+    hit_none(h, r->tmax);
+    if (t->nnodes == 0)
+        return false;
+    probe_init(&p, r);
+    mailbox_init(&tested);
+    follows = line_init(&l, r, t->slack);
+    if (!slabs(&p, b, r->tmax, &enter, &leave))
+        return false;
+    near = enter;
+    far = d_min(d_min(leave, r->tmax), FLT_MAX);
+    for (;;) {
+        const Node *n = &t->nodes[at];
+        if (steps)
+            steps->nodes++;
+        if (kind_of(n) != LEAF && follows) {
+            at = next_node(t, at, &l, &near, &far, &top);
+            continue;
+        }
+        if (kind_of(n) != LEAF) {       /* no part of space may be passed over */
+            *top++ = (Waiting){ near, far, number_of(n) };
+            at++;
+            continue;
+        }
+        for (uint32_t i = n->at.first; i < n->at.first + number_of(n); i++) {
+            uint32_t prim = t->entry[i];
+            if (!mailbox_takes(&tested, prim))
+                continue;
+            if (steps)
+                steps->prims++;
+            if (prim_nearest(t->base.geo, prim, r, &p, h, steps) && any)
+                return true;
+        }
+        do {
+            if (top == stack)
+                return h->outer != NO_PRIM;
+            top--;
+        } while (follows && top->near > h->t);
+        at = top->node;
+        near = top->near;
+        far = d_min(top->far, h->t);
+    }
+}
+
+static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
+{
+    return query((const KdTree *)a, r, h, false, steps);
+}
+
+static bool blocked(const Accel *a, const Ray *r, Steps *steps)
+{
+    Hit h;
+    return query((const KdTree *)a, r, &h, true, steps);
+}
+
+/* ---- checking ---- */
+
+static bool bad(char *why, size_t room, const char *what, size_t where)
+{
+    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
+    return false;
+}
+
+/* Is the primitive in the leaf of the point? Points on a plane are in both. */
+static bool listed(const KdTree *t, uint32_t at, uint32_t prim, const double p[3])
+{
+    const Node *n = &t->nodes[at];
+
+    if (kind_of(n) == LEAF)
+        return list_holds(t->entry + n->at.first, number_of(n), prim);
+    return (p[kind_of(n)] > n->at.plane || listed(t, at + 1, prim, p)) &&
+           (p[kind_of(n)] < n->at.plane || listed(t, number_of(n), prim, p));
+}
+
+/* Points of a triangle, its corners among them: u, v in sixths. */
+static bool check_triangle(const KdTree *t, uint32_t prim)
+{
+    V3 c[3];
+
+    geometry_corners(t->base.geo, prim, c);
+    for (int u = 0; u <= 6; u++)
+        for (int v = 0; u + v <= 6; v++) {
+            double p[3];
+            for (int k = 0; k < 3; k++)
+                p[k] = ((6 - u - v) * (double)v_axis(c[0], k) + u * (double)v_axis(c[1], k) +
+                        v * (double)v_axis(c[2], k)) / 6;
+            if (!listed(t, 0, prim, p))
+                return false;
+        }
+    return true;
+}
+
+static bool check_box(const KdTree *t, uint32_t prim)
+{
+    Box b = geometry_box(t->base.geo, prim);
+
+    for (int corner = 0; corner < 8; corner++) {
+        double p[3] = { corner & 1 ? b.lo.x : b.hi.x, corner & 2 ? b.lo.y : b.hi.y,
+                        corner & 4 ? b.lo.z : b.hi.z };
+        if (!listed(t, 0, prim, p))
+            return false;
+    }
+    return true;
+}
+
+static bool check_nodes(const KdTree *t, char *why, size_t room)
+{
+    for (size_t i = 0; i < t->nnodes; i++) {
+        const Node *n = &t->nodes[i];
+        if (kind_of(n) != LEAF && (number_of(n) <= i + 1 || number_of(n) >= t->nnodes))
+            return bad(why, room, "a child out of range", i);
+        if (kind_of(n) == LEAF && ((size_t)n->at.first + number_of(n) > t->nentries ||
+                                   !list_ascends(t->entry + n->at.first, number_of(n))))
+            return bad(why, room, "a leaf out of range, or its list does not ascend", i);
+    }
+    for (size_t i = 0; i < t->nentries; i++)
+        if (t->entry[i] >= geometry_prims(t->base.geo))
+            return bad(why, room, "a primitive that does not exist", i);
+    return true;
+}
+
+static bool validate(const Accel *a, char *why, size_t room)
+{
+    const KdTree *t = (const KdTree *)a;
+
+    if (!check_nodes(t, why, room))
+        return false;
+    for (uint32_t i = 0; i < geometry_prims(a->geo); i++) {
+        if (!t->nnodes || !box_holds(t->box, geometry_box(a->geo, i)))
+            return bad(why, room, "a primitive sticks out of the tree", i);
+        if (geometry_is_tri(a->geo, i) ? !check_triangle(t, i) : !check_box(t, i))
+            return bad(why, room, "a leaf does not list a primitive that is in it", i);
+    }
+    return true;
+}
+
+static const OptDef options[] = {
+    { .key = "visit", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 100, .also = "traversalcost",
+      .help = "what it costs to pass a node, in tests of primitives" },
+    { .key = "leaf", .type = OPT_INT, .num = 2, .lo = 1, .hi = 64, .also = "maxprims",
+      .help = "cells with so few primitives are not divided" },
+    { .key = NULL }
+};
+
+const AccelKind accel_kdtree = {
+    .info = { "kdtree", "Cline07 2.2.2, 3.2.3; WaldHavran06",
+              "space divided by planes, 8 bytes a node", options },
+    .build = build, .nearest = nearest, .blocked = blocked, .validate = validate, .free = drop
+};

@@ -1,0 +1,51 @@
+/* line.c -- where a ray may be. See line.h. */
+#include "accel/line.h"
+
+#include <string.h>
+
+double line_slack(Box b)
+{
+    double slack = 0;
+
+    for (int k = 0; k < 3; k++) {
+        double lo = v_axis(b.lo, k), hi = v_axis(b.hi, k);
+        slack = d_max(slack, 16 * 0x1p-24 * (hi - lo + d_max(fabs(lo), fabs(hi))));
+    }
+    return slack;
+}
+
+bool line_init(Line *l, const Ray *r, double slack)
+{
+    const float *o = &r->o.x, *d = &r->d.x;
+    bool moves = false;
+
+    l->slack = slack;
+    for (int k = 0; k < 3; k++) {
+        l->o[k] = o[k];
+        l->d[k] = d[k];
+        if (d[k] != 0.0f && !is_finite(1.0f / d[k]))
+            return false;
+        moves = moves || d[k] != 0.0f;
+    }
+    return moves && v_finite(r->o) && v_finite(r->d);
+}
+
+void mailbox_init(Mailbox *m) { memset(m, 0xFF, sizeof *m); }
+
+bool list_ascends(const uint32_t *list, size_t n)
+{
+    for (size_t i = 1; i < n; i++)
+        if (list[i] <= list[i - 1])
+            return false;
+    return true;
+}
+
+bool list_holds(const uint32_t *list, size_t n, uint32_t prim)
+{
+    while (n > 1) {
+        size_t half = n / 2;
+        list += list[half] <= prim ? half : 0;
+        n -= half;
+    }
+    return n && *list == prim;
+}
