@@ -73,14 +73,16 @@ static double area(Box b)
     return x * y + y * z + z * x;
 }
 
-/* The cost of the plane with so many primitives below and above it. */
+/* The cost of the plane with so many primitives below and above it. Cells thinner than 4 slack are
+ * of no use: rays would have to look into their neighbours, too. */
 static void consider(const Build *b, Box cell, int axis, float plane, size_t below, size_t above,
                      Choice *best)
 {
     Box lower = cell, upper = cell;
     double cost;
 
-    if (!(plane > v_axis(cell.lo, axis) && plane < v_axis(cell.hi, axis)))
+    if (!(plane > v_axis(cell.lo, axis) + 4 * b->tree->slack &&
+          plane < v_axis(cell.hi, axis) - 4 * b->tree->slack))
         return;
     axis_set(&lower, true, axis, plane);
     axis_set(&upper, false, axis, plane);
