@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BATCH = 512 };
+enum { BATCH = 512, SHOT_MOST = 200 };
 
 typedef struct {
     Ray  ray[BATCH];
@@ -25,7 +25,7 @@ typedef struct {
 typedef struct {
     const char *name;
     const Accel *brute;
-    Accel *accel[64];           /* owned, beside their settings */
+    Accel *accel[SHOT_MOST];          /* owned, beside their settings */
     const Setting *setting;
     int turn;                   /* whose turn it is for the rarer questions */
     uint64_t rays, hits, wrong[RAY_CLASSES];
@@ -154,7 +154,7 @@ static void shoot_mesh(const char *name, Mesh *mesh, uint64_t rays, uint64_t see
     t.setting = settings_all();
     t.brute = setting_build(setting_brute(), &g);
     for (int k = 0; t.setting[k].kind; k++) {
-        REQUIRE(k + 1 < 64, "too many settings");
+        REQUIRE(k + 1 < SHOT_MOST, "too many settings");
         t.accel[k] = setting_build(&t.setting[k], &g);
         EXPECT(t.accel[k]->kind->validate(t.accel[k], why, sizeof why), "%s, %s: %s", name,
                t.setting[k].name, why);
@@ -303,8 +303,9 @@ static void add_twins(Scene *sc, uint32_t child, Rng *rng, double stretch, float
             geometry_add_instance(&sc->geometries[0], child, &t, NULL), "memory");
 }
 
-/* Geometry 1: a mesh, spheres, discs. 2: a mesh. 3: bricks. 0, the world: all of it and more. */
-static Scene *world(const Setting *s, double stretch, float reach)
+/* Geometry 1: a mesh, spheres, discs. 2: a mesh. 3: bricks. 0, the world: all of it and more.
+ * `order` may be a setting whose order of triangles brute is to have, too. */
+static Scene *world(const Setting *s, const Setting *order, double stretch, float reach)
 {
     Scene *sc = scene_new();
     Rng rng = rng_seed(99);
@@ -321,25 +322,32 @@ static Scene *world(const Setting *s, double stretch, float reach)
     add_instances(&sc->geometries[0], 1, 4, &rng, stretch, reach);
     add_instances(&sc->geometries[0], 2, 4, &rng, stretch, reach);
     add_twins(sc, 3, &rng, stretch, reach);
+    for (size_t k = 0; order && k < sc->ngeometries; k++)
+        REQUIRE(order->kind->arrange(&sc->geometries[k], &order->opts), "%s", order->name);
     REQUIRE(scene_build(sc, s->kind, &s->opts, 1), "%s", s->name);
     return sc;
 }
 
+/* All settings that leave triangles in their order. */
 static void shoot_world(const char *name, double stretch, float reach, uint64_t rays)
 {
-    const Setting *all = settings_all();
-    Scene *truth = world(setting_brute(), stretch, reach), *other[64];
+    static Setting plain_ones[SHOT_MOST];
+    Scene *truth = world(setting_brute(), NULL, stretch, reach), *other[SHOT_MOST];
     Target t;
     int n = 0;
 
     memset(&t, 0, sizeof t);
     t.name = name;
     t.brute = truth->accel;
-    t.setting = all;
-    for (; all[n].kind; n++) {
-        REQUIRE(n + 1 < 64, "too many settings");
-        other[n] = world(&all[n], stretch, reach);
+    t.setting = plain_ones;
+    for (const Setting *s = settings_all(); s->kind; s++) {
+        if (s->kind->arrange)
+            continue;
+        REQUIRE(n + 1 < SHOT_MOST, "too many settings");
+        plain_ones[n] = *s;
+        other[n] = world(s, NULL, stretch, reach);
         t.accel[n] = other[n]->accel;
+        n++;
     }
     shoot(&t, rays, 7);
     while (n)
@@ -347,14 +355,45 @@ static void shoot_world(const char *name, double stretch, float reach, uint64_t 
     scene_free(truth);
 }
 
+/* Every third of the others, each against brute with triangles in its order. */
+static void shoot_arranged(const char *name, double stretch, float reach, uint64_t rays)
+{
+    int n = 0;
+
+    for (const Setting *s = settings_all(); s->kind; s++) {
+        Scene *truth, *own;
+        Target t;
+        if (!s->kind->arrange || n++ % 3)
+            continue;
+        truth = world(setting_brute(), s, stretch, reach);
+        own = world(s, NULL, stretch, reach);
+        memset(&t, 0, sizeof t);
+        t.name = name;
+        t.brute = truth->accel;
+        t.setting = s;
+        t.accel[0] = own->accel;
+        shoot(&t, rays, 7);
+        scene_free(own);
+        scene_free(truth);
+    }
+}
+
 static void world_near(void) { shoot_world("world", 3.0, 3.0f, 30000); }
 static void world_stretched(void) { shoot_world("stretched world", 1000.0, 3.0f, 30000); }
 static void world_far(void) { shoot_world("far world", 3.0, 1e4f, 30000); }
+
+static void world_arranged(void)
+{
+    shoot_arranged("world", 3.0, 3.0f, 3000);
+    shoot_arranged("stretched world", 1000.0, 3.0f, 3000);
+    shoot_arranged("far world", 3.0, 1e4f, 3000);
+}
 
 const TestCase test_rays[] = {
     { "tame", tame, false }, { "wild", wild, false }, { "placed_tame", placed_tame, false },
     { "placed_wild", placed_wild, false }, { "small_bunny", small_bunny, false },
     { "bunny", bunny, false }, { "world", world_near, false },
     { "world_stretched", world_stretched, false }, { "world_far", world_far, false },
+    { "world_arranged", world_arranged, false },
     { NULL, NULL, false }
 };

@@ -118,6 +118,29 @@ static void other_operations(void)
     }
 }
 
+/* Whole numbers as floats. */
+static void whole(void)
+{
+    Rng r = rng_seed(4);
+
+    for (int i = 0; i < 10000; i++) {
+        uint16_t wide[8];
+        unsigned char small[8];
+        float a[8], b[8];
+        bool ok = true;
+
+        for (int k = 0; k < 8; k++) {
+            wide[k] = (uint16_t)(i ? rng_bits(&r) : 0xFFFF);
+            small[k] = (unsigned char)(i ? rng_bits(&r) : 0xFF);
+        }
+        f8_store(a, f8_load_u16(wide));
+        f8_store(b, f8_load_u8(small));
+        for (int k = 0; k < 8; k++)
+            ok = ok && a[k] == (float)wide[k] && b[k] == (float)small[k];
+        EXPECT(ok, "numbers %d", i);
+    }
+}
+
 static void bits(void)
 {
     for (int k = 0; k < 32; k++) {
@@ -147,6 +170,6 @@ static void carryless(void)
 const TestCase test_simd[] = {
     { "two_operands", two_operands, false },
     { "other_operations", other_operations, false },
-    { "bits", bits, false }, { "carryless", carryless, false },
+    { "whole", whole, false }, { "bits", bits, false }, { "carryless", carryless, false },
     { NULL, NULL, false }
 };

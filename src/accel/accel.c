@@ -9,6 +9,7 @@
     X(bvh)                      /* binary tree of boxes */                     \
     X(grid)                     /* equal cells, grids within dense ones */     \
     X(kdtree)                   /* space divided by planes */                  \
+    X(lbvh)                     /* complete trees without pointers */          \
     X(wide)                     /* eight children a node; the default */
 #define DECLARE(name) extern const AccelKind accel_##name;
 #define ENTRY(name) &accel_##name,

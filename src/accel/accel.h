@@ -19,6 +19,11 @@ typedef struct { uint64_t nodes, prims; } Steps;
 typedef struct {
     KindInfo info;
 
+    /* Puts the triangles of each mesh into the order that build() likes, before that is called:
+     * then it needs no list of them. Primitives get other numbers. NULL: any order will do. Any
+     * does for build(), too, but rays get slower. False: reported. */
+    bool (*arrange)(Geometry *g, const Opts *o);
+
     /* Over the primitives of g, which stays borrowed and must be finished. NULL: reported. */
     Accel *(*build)(const Geometry *g, const Opts *o, int threads);
 

@@ -54,7 +54,7 @@ typedef struct {
     uint32_t leaf;              /* cells with so few are not divided */
     int     depth;              /* the most that is sensible */
     size_t  entries_most;
-    Part   *part;               /* owned; a stack of lists: those of a node on top of its parent's */
+    Part   *part;               /* owned; a stack of lists: a node's on top of its parent's */
     size_t  nparts, cap_parts;
 } Build;
 
@@ -73,8 +73,8 @@ static double area(Box b)
     return x * y + y * z + z * x;
 }
 
-/* The cost of the plane with so many primitives below and above it. Cells thinner than 4 slack are
- * of no use: rays would have to look into their neighbours, too. */
+/* The cost of the plane with so many primitives below and above it. Cells thinner than 4 slack
+ * are of no use: rays would have to look into their neighbours, too. */
 static void consider(const Build *b, Box cell, int axis, float plane, size_t below, size_t above,
                      Choice *best)
 {

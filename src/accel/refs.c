@@ -79,9 +79,14 @@ static void select_refs(Ref *refs, size_t n, size_t k, int axis)
     }
 }
 
+void refs_divide(Ref *refs, size_t n, size_t k, Box centres)
+{
+    select_refs(refs, n, k, longest_axis(centres));
+}
+
 size_t refs_split_median(Ref *refs, size_t n, Box centres)
 {
-    select_refs(refs, n, n / 2, longest_axis(centres));
+    refs_divide(refs, n, n / 2, centres);
     return n / 2;
 }
 

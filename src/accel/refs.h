@@ -21,6 +21,9 @@ void refs_bounds(const Ref *refs, size_t n, Box *box, Box *centres);
 /* Each divides refs[0..n) into refs[0..k) and refs[k..n) and returns k, 0 < k < n; n >= 2. The
  * outcome does not depend on the order they come in. */
 
+/* Afterwards refs[0..k) come before refs[k..n), 0 < k < n, on the longest axis of the centres. */
+void refs_divide(Ref *refs, size_t n, size_t k, Box centres);
+
 /* The middle object on the longest axis of the centres. */
 size_t refs_split_median(Ref *refs, size_t n, Box centres);
 

@@ -11,11 +11,27 @@
 
 INLINE uint32_t prim_of(const SkipTree *t, uint32_t i) { return t->order ? t->order[i] : i; }
 
-/* Does the ray meet the node's box? The layout is that which slabs() wants. */
-INLINE bool enters(const Probe *p, const SkipNode *n, float tmax)
+/* By recursion: halving ends soon. */
+static size_t build_run(SkipNode *nodes, Ref *refs, uint32_t first, uint32_t n, size_t at)
 {
-    float near, far;
-    return slabs(p, n->lo, tmax, &near, &far);
+    Box b, centres;
+    size_t next = at + 1, k;
+
+    refs_bounds(refs + first, n, &b, &centres);
+    nodes[at] = (SkipNode){ { b.lo.x, b.lo.y, b.lo.z }, first, { b.hi.x, b.hi.y, b.hi.z }, 1 };
+    if (n == 1)
+        return next;
+    k = refs_split_median(refs + first, n, centres);
+    next = build_run(nodes, refs, first, (uint32_t)k, next);
+    next = build_run(nodes, refs, first + (uint32_t)k, n - (uint32_t)k, next);
+    nodes[at].first = SKIP_INNER;
+    nodes[at].next = (uint32_t)next;
+    return next;
+}
+
+size_t skip_build(SkipNode *nodes, Ref *refs, uint32_t n)
+{
+    return n ? build_run(nodes, refs, 0, n, 0) : 0;
 }
 
 bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
@@ -29,7 +45,7 @@ bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
         bool leaf = n->first != SKIP_INNER;
         if (steps)
             steps->nodes++;
-        if (!enters(&p, n, h->t)) {
+        if (!skip_enters(n, &p, h->t)) {
             k = leaf ? k + 1 : n->next;
             continue;
         }
@@ -54,7 +70,7 @@ bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps)
         bool leaf = n->first != SKIP_INNER;
         if (steps)
             steps->nodes++;
-        if (!enters(&p, n, r->tmax)) {
+        if (!skip_enters(n, &p, r->tmax)) {
             k = leaf ? k + 1 : n->next;
             continue;
         }
@@ -77,11 +93,6 @@ static bool bad(char *why, size_t room, const char *what, size_t where)
     return false;
 }
 
-static Box box_of(const SkipNode *n)
-{
-    return (Box){ v3(n->lo[0], n->lo[1], n->lo[2]), v3(n->hi[0], n->hi[1], n->hi[2]) };
-}
-
 static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *why, size_t room)
 {
     const SkipNode *n = &t->nodes[k];
@@ -93,7 +104,7 @@ static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *w
         uint32_t prim = prim_of(t, i);
         if (prim >= prims || seen[prim]++)
             return bad(why, room, "a primitive that does not exist or stands twice in leaf", k);
-        if (!box_holds(box_of(n), geometry_box(t->geo, prim)))
+        if (!box_holds(skip_box(n), geometry_box(t->geo, prim)))
             return bad(why, room, "a primitive sticks out of leaf", k);
     }
     return true;
@@ -112,7 +123,7 @@ bool skip_validate(const SkipTree *t, char *why, size_t room)
         const SkipNode *n = &t->nodes[k];
         while (depth && t->nodes[above[depth - 1]].next <= k)
             depth--;
-        if (depth && !box_holds(box_of(&t->nodes[above[depth - 1]]), box_of(n)))
+        if (depth && !box_holds(skip_box(&t->nodes[above[depth - 1]]), skip_box(n)))
             ok = bad(why, room, "a child's box sticks out of the node", above[depth - 1]);
         else if (n->first != SKIP_INNER)
             ok = check_leaf(t, k, seen, why, room);

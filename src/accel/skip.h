@@ -6,6 +6,7 @@
 #define ACCEL_SKIP_H
 
 #include "accel/accel.h"
+#include "accel/refs.h"
 
 /* 32 bytes: the box, the first primitive in leaf order, and where to go on. */
 typedef struct {
@@ -22,6 +23,21 @@ typedef struct {
     const uint32_t *order;      /* borrowed; NULL: primitives are in leaf order as they are */
     size_t n;                   /* nodes; 0: nothing to meet */
 } SkipTree;
+
+/* Does the ray enter the node's box, not beyond tmax? The layout is that which slabs() wants. */
+INLINE bool skip_enters(const SkipNode *n, const Probe *p, float tmax)
+{
+    float near, far;
+    return slabs(p, n->lo, tmax, &near, &far);
+}
+INLINE Box skip_box(const SkipNode *n)
+{
+    return (Box){ v3(n->lo[0], n->lo[1], n->lo[2]), v3(n->hi[0], n->hi[1], n->hi[2]) };
+}
+
+/* A tree of leaves of one over n refs, divided by the middle object, and how many nodes it has: at
+ * most 2 n - 1. refs are put into the order of the leaves: leaf.first counts in it. */
+size_t skip_build(SkipNode *nodes, Ref *refs, uint32_t n);
 
 /* The queries of accel.h. */
 bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps);

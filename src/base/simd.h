@@ -134,6 +134,17 @@ typedef __m256 F8;
 INLINE F8 f8_all(float a) { return _mm256_set1_ps(a); }
 INLINE F8 f8_load(const float *p) { return _mm256_loadu_ps(p); }
 INLINE void f8_store(float *p, F8 a) { _mm256_storeu_ps(p, a); }
+/* Eight whole numbers as floats. */
+INLINE F8 f8_load_u16(const uint16_t *p)
+{
+    __m128i whole = _mm_loadu_si128((const __m128i *)(const void *)p);
+    return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(whole));
+}
+INLINE F8 f8_load_u8(const unsigned char *p)
+{
+    __m128i whole = _mm_loadl_epi64((const __m128i *)(const void *)p);
+    return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(whole));
+}
 INLINE F8 f8_add(F8 a, F8 b) { return _mm256_add_ps(a, b); }
 INLINE F8 f8_sub(F8 a, F8 b) { return _mm256_sub_ps(a, b); }
 INLINE F8 f8_mul(F8 a, F8 b) { return _mm256_mul_ps(a, b); }
@@ -154,6 +165,8 @@ typedef struct { float v[8]; } F8;
 INLINE F8 f8_all(float a) { F8 r; F8_EACH(r, a); return r; }
 INLINE F8 f8_load(const float *p) { F8 r; F8_EACH(r, p[k]); return r; }
 INLINE void f8_store(float *p, F8 a) { for (int k = 0; k < 8; k++) p[k] = a.v[k]; }
+INLINE F8 f8_load_u16(const uint16_t *p) { F8 r; F8_EACH(r, (float)p[k]); return r; }
+INLINE F8 f8_load_u8(const unsigned char *p) { F8 r; F8_EACH(r, (float)p[k]); return r; }
 INLINE F8 f8_add(F8 a, F8 b) { F8_EACH(a, a.v[k] + b.v[k]); return a; }
 INLINE F8 f8_sub(F8 a, F8 b) { F8_EACH(a, a.v[k] - b.v[k]); return a; }
 INLINE F8 f8_mul(F8 a, F8 b) { F8_EACH(a, a.v[k] * b.v[k]); return a; }

@@ -11,6 +11,7 @@ void geometry_clear(Geometry *g)
     for (size_t i = 0; i < g->nshapes; i++) {
         mem_free(g->shapes[i].n);
         mem_free(g->shapes[i].uv);
+        mem_free(g->shapes[i].place);
     }
     mem_free(g->p);
     mem_free(g->tri);
@@ -164,6 +165,41 @@ bool geometry_finish(Geometry *g)
         g->shapes[g->odd[k]].first = (uint32_t)(g->ntris + k);
         g->shapes[g->odd[k]].count = 1;
     }
+    return true;
+}
+
+static bool remember_places(Shape *s, const uint32_t *order)
+{
+    uint32_t *now = MEM_ARRAY(uint32_t, s->count), *place = MEM_ARRAY(uint32_t, s->count);
+
+    if (!now || !place) {
+        mem_free(now);
+        mem_free(place);
+        return false;
+    }
+    for (uint32_t k = 0; k < s->count; k++)
+        now[order[k]] = k;
+    for (uint32_t k = 0; k < s->count; k++)
+        place[k] = now[s->place ? s->place[k] : k];
+    mem_free(now);
+    mem_free(s->place);
+    s->place = place;
+    return true;
+}
+
+bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
+{
+    Shape *s = &g->shapes[shape];
+    Tri *old = MEM_ARRAY(Tri, s->count);
+
+    if (!old || (s->light != NO_LIGHT && !remember_places(s, order))) {
+        mem_free(old);
+        return false;
+    }
+    memcpy(old, g->tri + s->first, s->count * sizeof *old);
+    for (uint32_t k = 0; k < s->count; k++)
+        g->tri[s->first + k] = old[order[k]];
+    mem_free(old);
     return true;
 }
 

@@ -47,6 +47,8 @@ typedef struct {
     bool      flip;             /* the geometric normal is turned round (ReverseOrientation) */
     bool      plain;            /* no texture looks at uv: surfaces leave it 0 */
     uint32_t  first_vertex;     /* meshes: n and uv start there */
+    uint32_t *place;            /* owned; of lamps whose triangles were put into another order:
+                                 * where each is now, from `first`; else NULL */
     V3       *n;                /* owned; per vertex, unit or 0; NULL: none */
     V2       *uv;               /* owned; NULL: none */
     union { Sphere sphere; Disk disk; Instance instance; } as;
@@ -77,6 +79,10 @@ bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t 
 bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape);
 /* Ends adding: makes the tables that geometry_shape and accelerators need. */
 bool geometry_finish(Geometry *g);
+
+/* Puts the triangles of a mesh into another order: the new k-th is the order[k]-th. Lamps remember
+ * the old one, so that pictures stay the same. False: memory ran out, nothing changed. */
+bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
 
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
 Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */

@@ -38,6 +38,12 @@ static Light *make(const Making *m, const Opts *o)
     return &l->base;
 }
 
+/* Triangle i of the lamp, whatever order an accelerator has put them into. */
+static uint32_t lamp_triangle(const Shape *s, size_t i)
+{
+    return s->first + (s->place ? s->place[i] : (uint32_t)i);
+}
+
 static double triangle_area(const Geometry *g, uint32_t prim)
 {
     V3 c[3];
@@ -57,9 +63,9 @@ static bool prepare_mesh(Area *l, const Shape *s)
         return false;
     }
     for (uint32_t i = 0; i < s->count; i++) {
-        double a = triangle_area(geometry_of(l), s->first + i);
+        double a = triangle_area(geometry_of(l), lamp_triangle(s, i));
         weight[i] = (float)a;
-        l->normals[i] = geometry_normal(geometry_of(l), s->first + i);
+        l->normals[i] = geometry_normal(geometry_of(l), lamp_triangle(s, i));
         sum += a;
     }
     l->area = (float)sum;
@@ -118,7 +124,7 @@ static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
     b = warp_triangle(u);
     if (shape->n) {                             /* the file's normals say which side shines */
         Ray none = { .d = { 0, 0, 1 } };
-        Hit h = { 0, b.y, b.z, NO_PRIM, shape->first + (uint32_t)i };
+        Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
         Surface sf;
         geometry_surface(g, &none, &h, &sf);
         s->p = sf.p;
@@ -126,7 +132,7 @@ static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
         s->n = sf.ng;
         return true;
     }
-    geometry_point(g, shape->first + (uint32_t)i, b.y, b.z, &s->p, &s->err);
+    geometry_point(g, lamp_triangle(shape, i), b.y, b.z, &s->p, &s->err);
     s->n = shape->flip ? v_neg(l->normals[i]) : l->normals[i];
     return true;
 }

@@ -155,6 +155,8 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         in->accel = s->accels[in->child];
         in->bounds = map_box(&in->to_world, bounds_of(in->accel->geo));
     }
+    if (kind->arrange && !kind->arrange(g, o))
+        return false;
     s->accels[k] = kind->build(g, o, threads);
     if (!s->accels[k])
         return false;
