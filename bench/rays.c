@@ -139,16 +139,20 @@ static void cast(const char *kind, const Accel *a, const Accel *brute, const Ray
     }
     for (size_t i = 0; i < n; i++)
         a->kind->nearest(a, &r[i], &h, &steps);
-    printf("rays\t%s\t%s\tnearest Mrays/s %.2f\tblocked Mrays/s %.2f\tnodes %.1f\tprims %.1f\t%s\n",
-           a->kind->info.name, kind, median(near, RUNS), median(any, RUNS),
-           (double)steps.nodes / (double)n, (double)steps.prims / (double)n, ok ? "ok" : "WRONG");
+    printf("rays\t%s\t%s\tnearest Mrays/s %.2f\tblocked Mrays/s %.2f\tnodes %.1f\tprims %.1f\t"
+           "bytes a triangle %.1f\t%s\n", a->kind->info.name, kind, median(near, RUNS),
+           median(any, RUNS), (double)steps.nodes / (double)n, (double)steps.prims / (double)n,
+           (double)a->bytes / (double)a->geo->ntris, ok ? "ok" : "WRONG");
 }
 
-static Accel *build(const AccelKind *kind, const Geometry *g)
+/* Each kind gets the triangles in the order it likes. */
+static Accel *build(const AccelKind *kind, Geometry *g)
 {
     Opts o;
     Accel *a;
     opts_default(&o, kind->info.options);
+    if (kind->arrange && !kind->arrange(g, &o))
+        return NULL;
     a = kind->build(g, &o, processors());
     if (a)
         a->kind = kind;

@@ -1,8 +1,10 @@
 /* test_rays_trees.c -- the structures themselves: their checks pass on every mesh and notice every
  * change made behind their back; building ends, in bounded depth and time, whatever the input; rays
  * that are no rays do no harm; a failed build leaves nothing behind. */
+#include "base/mem.h"
 #include "test/ray_help.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { DEPTH_MOST = 80 };       /* the stacks of queries are sized by it */
@@ -38,6 +40,149 @@ static void large(void)
     build_all(&m, "soup");
     REQUIRE(mesh_grid(&m, 100, 100), "memory");
     build_all(&m, "grid");
+}
+
+/* ---- every small number ---- */
+
+/* n triangles strewn about. */
+static void strew(Mesh *m, uint32_t n, Rng *rng)
+{
+    mesh_of(m, 3 * n, n);
+    for (uint32_t i = 0; i < 3 * n; i++)
+        m->p[i] = v_mad(rng_direction(rng), 0.3f, v3((float)(i / 3 % 7), (float)(i / 21 % 7),
+                                                     (float)(i / 147)));
+    for (uint32_t i = 0; i < n; i++)
+        m->tri[i] = (Tri){ { 3 * i, 3 * i + 1, 3 * i + 2 } };
+}
+
+/* Nodes of a complete tree with at least so many leaves, reckoned by adding one inner node after
+ * another, each of which makes a leaf into `arity`. */
+static uint64_t complete_nodes(uint64_t leaves, uint64_t arity)
+{
+    uint64_t nodes = 1, have = 1;
+    for (; have < leaves; have += arity - 1)
+        nodes += arity;
+    return nodes;
+}
+
+static void expect_nodes(const Setting *s, const Accel *a, uint32_t n)
+{
+    uint64_t leaf = (uint64_t)opt_int(&s->opts, "leaf"), most = opt_int(&s->opts, "pieces") ?
+                    (uint64_t)opt_int(&s->opts, "pieces") : n, pieces = (n + most - 1) / most;
+    uint64_t want = 2 * pieces - 1;                     /* the level above */
+
+    for (uint64_t i = 0; i < pieces; i++) {
+        uint64_t count = n * (i + 1) / pieces - n * i / pieces;
+        want += complete_nodes((count + leaf - 1) / leaf, (uint64_t)opt_int(&s->opts, "arity"));
+    }
+    EXPECT(a->nodes == want, "%s has %lu nodes for %lu triangles, expected %lu", s->name,
+           (unsigned long)a->nodes, (unsigned long)n, (unsigned long)want);
+}
+
+/* Rays at the middle of each triangle and past it. */
+static void expect_hits(const Setting *s, const Accel *a, const Accel *brute, Rng *rng)
+{
+    for (uint32_t i = 0; i < geometry_prims(a->geo); i++) {
+        V3 c[3], d = rng_direction(rng);
+        Hit want, got;
+        Ray r = { .tmax = INFINITY };
+        bool is;
+        geometry_corners(a->geo, i, c);
+        r.o = v_mad(d, -3.0f, blend(c[0], c[1], c[2], rng_barycentric(rng)));
+        r.d = d;
+        is = accel_nearest(brute, &r, &want);
+        EXPECT(accel_nearest(a, &r, &got) == is && (!is || !memcmp(&got, &want, sizeof got)),
+               "%s, %lu triangles: another hit for ray %s", s->name,
+               (unsigned long)geometry_prims(a->geo), ray_text(&r));
+    }
+}
+
+/* Implicit trees, whose leaves nothing but arithmetic tells, before and after arranging. */
+static void small(void)
+{
+    Rng rng = rng_seed(43);
+
+    for (uint32_t n = 0; n <= 300; n++) {
+        Geometry g;
+        Mesh m;
+        strew(&m, n, &rng);
+        geometry_of(&g, &m);
+        for (const Setting *s = settings_all(); s->kind; s++) {
+            Accel *a, *brute;
+            if (!s->kind->arrange)
+                continue;
+            REQUIRE(s->kind->arrange(&g, &s->opts), "memory");
+            a = setting_build(s, &g);
+            brute = setting_build(setting_brute(), &g);
+            check_tree(s, a, "small");
+            if (n)
+                expect_nodes(s, a, n);
+            if (n < 40 || n % 10 == 0)
+                expect_hits(s, a, brute, &rng);
+            accel_free(a);
+            accel_free(brute);
+        }
+        geometry_clear(&g);
+    }
+}
+
+/* ---- arranging ---- */
+
+static double tests_a_ray(const Setting *s, const Geometry *g)
+{
+    Accel *a = setting_build(s, g);
+    Rng rng = rng_seed(44);
+    Steps steps = { 0, 0 };
+
+    for (int i = 0; i < 2000; i++) {
+        Ray r = { .tmax = INFINITY };
+        Hit h;
+        r.o = v_scale(rng_direction(&rng), 3.0f);
+        r.d = v_sub(v_scale(rng_direction(&rng), 0.5f), r.o);
+        a->kind->nearest(a, &r, &h, &steps);
+    }
+    accel_free(a);
+    return (double)(steps.nodes + steps.prims) / 2000;
+}
+
+static int compare_tris(const void *a, const void *b) { return memcmp(a, b, sizeof(Tri)); }
+
+/* The same triangles, in an order that makes a tree of the shuffled ones a good one. */
+static void arranged(void)
+{
+    for (const Setting *s = settings_usual(); s->kind; s++) {
+        Mesh m = { 0 };
+        Geometry g;
+        Rng rng = rng_seed(45);
+        Tri *before, *after;
+        double shuffled;
+
+        if (!s->kind->arrange)
+            continue;
+        REQUIRE(mesh_bumpy(&m, 16, 5), "memory");
+        for (uint32_t i = m.ntris; i > 1; i--) {
+            uint32_t j = rng_below(&rng, i);
+            Tri swap = m.tri[i - 1];
+            m.tri[i - 1] = m.tri[j];
+            m.tri[j] = swap;
+        }
+        geometry_of(&g, &m);
+        before = MEM_ARRAY(Tri, g.ntris);
+        after = MEM_ARRAY(Tri, g.ntris);
+        REQUIRE(before && after, "memory");
+        memcpy(before, g.tri, g.ntris * sizeof *before);
+        shuffled = tests_a_ray(s, &g);
+        REQUIRE(s->kind->arrange(&g, &s->opts), "memory");
+        memcpy(after, g.tri, g.ntris * sizeof *after);
+        qsort(before, g.ntris, sizeof *before, compare_tris);
+        qsort(after, g.ntris, sizeof *after, compare_tris);
+        EXPECT(!memcmp(before, after, g.ntris * sizeof *before), "%s: other triangles", s->name);
+        EXPECT(tests_a_ray(s, &g) < 0.05 * shuffled, "%s: %g tests a ray, %g before", s->name,
+               tests_a_ray(s, &g), shuffled);
+        mem_free(before);
+        mem_free(after);
+        geometry_clear(&g);
+    }
 }
 
 /* ---- input made to be hard ---- */
@@ -247,7 +392,7 @@ static void out_of_memory(void)
 }
 
 const TestCase test_rays_trees[] = {
-    { "large", large, false }, { "orders", orders, false }, { "nested", nested, false },
+    { "large", large, false }, { "small", small, false }, { "arranged", arranged, false }, { "orders", orders, false }, { "nested", nested, false },
     { "equal_boxes", equal_boxes, false }, { "noticed", noticed, false },
     { "garbage", garbage, false }, { "out_of_memory", out_of_memory, false },
     { NULL, NULL, false }
