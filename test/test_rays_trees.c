@@ -392,7 +392,8 @@ static void out_of_memory(void)
 }
 
 const TestCase test_rays_trees[] = {
-    { "large", large, false }, { "small", small, false }, { "arranged", arranged, false }, { "orders", orders, false }, { "nested", nested, false },
+    { "large", large, false }, { "small", small, false }, { "arranged", arranged, false },
+    { "orders", orders, false }, { "nested", nested, false },
     { "equal_boxes", equal_boxes, false }, { "noticed", noticed, false },
     { "garbage", garbage, false }, { "out_of_memory", out_of_memory, false },
     { NULL, NULL, false }
