@@ -29,7 +29,7 @@
 SUITES(DECLARE)
 static const TestSuite suites[] = { SUITES(ENTRY) { NULL, NULL } };
 
-enum { EXIT_FAILED = 1, EXIT_SKIPPED = 77, SECONDS = 240, SECONDS_LONG = 3600, JOBS_MAX = 16 };
+enum { EXIT_FAILED = 1, EXIT_SKIPPED = 77, SECONDS = 600, SECONDS_LONG = 7200, JOBS_MAX = 16 };
 
 static char running[160];
 static int failures;

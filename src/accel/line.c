@@ -9,7 +9,7 @@ double line_slack(Box b)
 
     for (int k = 0; k < 3; k++) {
         double lo = v_axis(b.lo, k), hi = v_axis(b.hi, k);
-        slack = d_max(slack, 16 * 0x1p-24 * (hi - lo + d_max(fabs(lo), fabs(hi))));
+        slack = d_max(slack, 0x1p-24 * (16 * (hi - lo) + 4 * d_max(fabs(lo), fabs(hi))));
     }
     return slack;
 }

@@ -5,9 +5,10 @@
  * slabs() in geometry/ray.h. Cells are not such boxes; they cut primitives. But the tests of
  * primitives accept a hit at t only if o + t d is within 30 roundings of t d (26 of them
  * SLAB_WIDEN) of the primitive's own box, and so of the box of the part that is met, and the test
- * of a triangle errs by no more than 8 roundings of its extent besides. So whoever looks into every
- * cell within 34 roundings of t d and `slack`, 16 roundings of all coordinates, of o + t d, for all
- * t, finds it. All in double, whose own roundings are nothing to these. */
+ * of a triangle errs by no more than 8 roundings of its extent besides; its box is larger than it
+ * by that and by two roundings of the coordinates. So whoever looks into every cell within 34
+ * roundings of t d and `slack`, 16 roundings of the whole extent and 4 of the coordinates, of
+ * o + t d, for all t, finds it. All in double, whose own roundings are nothing to these. */
 #ifndef ACCEL_LINE_H
 #define ACCEL_LINE_H
 
