@@ -145,18 +145,23 @@ static void cast(const char *kind, const Accel *a, const Accel *brute, const Ray
            (double)a->bytes / (double)a->geo->ntris, ok ? "ok" : "WRONG");
 }
 
-/* Each kind gets the triangles in the order it likes. */
-static Accel *build(const AccelKind *kind, Geometry *g)
+/* Each kind gets the triangles as they were, and may put them into the order it likes. */
+static Accel *build(const AccelKind *kind, Geometry *g, const Tri *tris)
 {
     Opts o;
-    Accel *a;
+
     opts_default(&o, kind->info.options);
-    if (kind->arrange && !kind->arrange(g, &o))
-        return NULL;
-    a = kind->build(g, &o, processors());
-    if (a)
-        a->kind = kind;
-    return a;
+    memcpy(g->tri, tris, g->ntris * sizeof *tris);
+    return accel_build(kind, g, &o, processors());
+}
+
+static void cast_each(const Accel *a, const Accel *brute, Ray *first, Ray *second)
+{
+    size_t n = primary(first), n2 = diffuse(a, first, n, second);
+
+    cast("primary", a, brute, first, n);
+    cast("diffuse", a, brute, second, n2);
+    cast("random", a, brute, first, random_rays(first));
 }
 
 void bench_rays(void)
@@ -164,29 +169,24 @@ void bench_rays(void)
     const AccelKind *reference = kind_find(accels, "brute");
     ShapeTraits traits = { 0, NO_LIGHT, false };
     Ray *first = MEM_ARRAY(Ray, RAYS), *second = MEM_ARRAY(Ray, RAYS);
+    Tri *tris = NULL;
     Geometry g;
-    Accel *brute = NULL;
     Mesh m;
 
     memset(&g, 0, sizeof g);
     if (first && second && make_mesh(&m) && geometry_add_mesh(&g, &m, traits, NULL) &&
-        geometry_finish(&g))
-        brute = build(reference, &g);
-    for (int k = 0; brute && accels[k]; k++) {
-        size_t n, n2;
-        Accel *a;
-        if (accels[k] == reference || !(a = build(accels[k], &g)))
-            continue;
-        n = primary(first);
-        cast("primary", a, brute, first, n);
-        n2 = diffuse(a, first, n, second);
-        cast("diffuse", a, brute, second, n2);
-        n = random_rays(first);
-        cast("random", a, brute, first, n);
+        geometry_finish(&g) && (tris = MEM_ARRAY(Tri, g.ntris)) != NULL)
+        memcpy(tris, g.tri, g.ntris * sizeof *tris);
+    for (int k = 0; tris && accels[k]; k++) {
+        Accel *a = accels[k] == reference ? NULL : build(accels[k], &g, tris);
+        Accel *brute = a ? accel_build_as_is(reference, &g, NULL, 1) : NULL;
+        if (a && brute)
+            cast_each(a, brute, first, second);
+        accel_free(brute);
         accel_free(a);
     }
-    accel_free(brute);
     geometry_clear(&g);
+    mem_free(tris);
     mem_free(first);
     mem_free(second);
 }

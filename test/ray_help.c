@@ -110,9 +110,15 @@ const Setting *settings_usual(void)
 
 Accel *setting_build(const Setting *s, const Geometry *g)
 {
-    Accel *a = s->kind->build(g, &s->opts, 1);
+    Accel *a = accel_build_as_is(s->kind, g, &s->opts, 1);
     REQUIRE(a != NULL, "%s cannot be built", s->name);
-    a->kind = s->kind;
+    return a;
+}
+
+Accel *setting_arrange(const Setting *s, Geometry *g)
+{
+    Accel *a = accel_build(s->kind, g, &s->opts, 1);
+    REQUIRE(a != NULL, "%s cannot be built", s->name);
     return a;
 }
 

@@ -42,6 +42,7 @@ const Setting *settings_usual(void);
 const Setting *setting_brute(void);
 
 Accel *setting_build(const Setting *s, const Geometry *g);      /* never NULL; may end the case */
+Accel *setting_arrange(const Setting *s, Geometry *g);          /* the same by accel_build */
 /* What a query of a flat world may test at most. */
 uint64_t prims_most(const Accel *a);
 

@@ -322,8 +322,10 @@ static Scene *world(const Setting *s, const Setting *order, double stretch, floa
     add_instances(&sc->geometries[0], 1, 4, &rng, stretch, reach);
     add_instances(&sc->geometries[0], 2, 4, &rng, stretch, reach);
     add_twins(sc, 3, &rng, stretch, reach);
-    for (size_t k = 0; order && k < sc->ngeometries; k++)
-        REQUIRE(order->kind->arrange(&sc->geometries[k], &order->opts), "%s", order->name);
+    for (size_t k = 0; order && k < sc->ngeometries; k++) {
+        REQUIRE(geometry_finish(&sc->geometries[k]), "memory");
+        accel_free(setting_arrange(order, &sc->geometries[k]));
+    }
     REQUIRE(scene_build(sc, s->kind, &s->opts, 1), "%s", s->name);
     return sc;
 }

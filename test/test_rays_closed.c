@@ -229,7 +229,7 @@ static void shoot_bodies(const Setting *s, const Body *b, const Body *end, uint3
                 continue;
             a = place(s, b->make, p, &g);
             /* Cells are slow where floats cannot tell them apart. */
-            shoot_body(a, b, p, (a->refs ? rays / 5 : rays) * (test_is_long() ? 10 : 1), &t);
+            shoot_body(a, b, p, test_is_long() ? 10 * rays : a->refs ? rays / 5 : rays, &t);
             report(s, b->name, p, &t);
             accel_free(a);
             geometry_clear(&g);

@@ -4,6 +4,8 @@
 
 #include "accel/prim.h"
 
+#include <stdio.h>
+
 #define ACCELS(X)                                                              \
     X(brute)                    /* the reference */                            \
     X(bvh)                      /* binary tree of boxes */                     \
@@ -15,6 +17,23 @@
 #define ENTRY(name) &accel_##name,
 ACCELS(DECLARE)
 const AccelKind *const accels[] = { ACCELS(ENTRY) NULL };
+
+static Accel *of_kind(Accel *a, const AccelKind *kind)
+{
+    if (a)
+        a->kind = kind;
+    return a;
+}
+
+Accel *accel_build(const AccelKind *kind, Geometry *g, const Opts *o, int threads)
+{
+    return of_kind(kind->arrange ? kind->arrange(g, o, threads) : kind->build(g, o, threads), kind);
+}
+
+Accel *accel_build_as_is(const AccelKind *kind, const Geometry *g, const Opts *o, int threads)
+{
+    return of_kind(kind->build(g, o, threads), kind);
+}
 
 void accel_free(Accel *a)
 {
@@ -40,6 +59,19 @@ void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n)
     }
     for (size_t i = 0; i < n; i++)
         blocked[i] = a->kind->blocked(a, &r[i], NULL);
+}
+
+bool accel_bad(char *why, size_t room, const char *what, size_t where)
+{
+    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
+    return false;
+}
+
+bool accel_counts(const char *name, size_t n, int bits)
+{
+    return n >> bits == 0 ||
+           err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"%s\", "
+                  "expected less than %lu", (unsigned long)n, name, 1ul << bits);
 }
 
 /* ---- odd primitives ---- */

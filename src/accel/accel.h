@@ -19,13 +19,13 @@ typedef struct { uint64_t nodes, prims; } Steps;
 typedef struct {
     KindInfo info;
 
-    /* Puts the triangles of each mesh into the order that build() likes, before that is called:
-     * then it needs no list of them. Primitives get other numbers. NULL: any order will do. Any
-     * does for build(), too, but rays get slower. False: reported. */
-    bool (*arrange)(Geometry *g, const Opts *o);
-
     /* Over the primitives of g, which stays borrowed and must be finished. NULL: reported. */
     Accel *(*build)(const Geometry *g, const Opts *o, int threads);
+
+    /* The same, but may first put the triangles of each mesh into another order, which spares it a
+     * list of them: primitives get other numbers, and structures that were built over g before are
+     * of no use then. NULL: build(). */
+    Accel *(*arrange)(Geometry *g, const Opts *o, int threads);
 
     /* The nearest hit with 0 < t <= r->tmax; of equal t the smaller primitive. No hit: false, *h
      * = hit_none. steps may be NULL; else counts are added. */
@@ -58,6 +58,10 @@ struct Accel {                  /* first member of every concrete structure */
 extern const AccelKind *const accels[];         /* ends with NULL */
 #define ACCEL_DEFAULT "wide"
 
+/* arrange() where there is one, else build(); and build(). NULL: reported. */
+Accel *accel_build(const AccelKind *kind, Geometry *g, const Opts *o, int threads);
+Accel *accel_build_as_is(const AccelKind *kind, const Geometry *g, const Opts *o, int threads);
+
 /* Safe to call with an empty geometry. */
 static inline bool accel_nearest(const Accel *a, const Ray *r, Hit *h)
 {
@@ -70,6 +74,12 @@ static inline bool accel_blocked(const Accel *a, const Ray *r)
 void accel_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
 void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
 void accel_free(Accel *a);                      /* NULL is allowed */
+
+/* For validate(): *why becomes "what at where". Returns false. */
+bool accel_bad(char *why, size_t room, const char *what, size_t where);
+
+/* For build(): n primitives are below 2^bits. False: too many, reported. */
+bool accel_counts(const char *name, size_t n, int bits);
 
 /* The surface of a hit, in the space of a's geometry, also where the hit is in an instance. */
 void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s);

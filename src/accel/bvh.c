@@ -19,7 +19,6 @@
 #include "base/mem.h"
 #include "base/simd.h"
 
-#include <stdio.h>
 #include <string.h>
 
 typedef struct {
@@ -179,43 +178,34 @@ static bool settle_pairs(Build *b)
     return true;
 }
 
-/* The pairs as nodes in the order of a walk. What follows a branch is known when it has been
- * written: then its root is told. */
+/* The node of the link, and all that is below it, from node `at` on; returns what comes next. */
+static uint32_t write_skips(const Build *b, Link link, Box box, uint32_t at)
+{
+    SkipNode *node = &b->bvh->skips[at++];
+
+    *node = (SkipNode){ { box.lo.x, box.lo.y, box.lo.z }, link.first,
+                        { box.hi.x, box.hi.y, box.hi.z }, link.count };
+    if (link.count)
+        return at;
+    for (int side = 0; side < 2; side++) {
+        const Pair *pair = &b->pairs[link.first];
+        at = write_skips(b, pair->child[side], pair_box(pair, side), at);
+    }
+    node->first = SKIP_INNER;
+    node->next = at;
+    return at;
+}
+
+/* The pairs as nodes in the order of a walk. By recursion: no deeper than the tree. */
 static bool settle_skips(Build *b)
 {
     Bvh *bvh = b->bvh;
-    struct { Link link; Box box; uint32_t branch; } stack[2 * STACK], now;
-    uint32_t n = 0;
-    int top = 0;
 
     bvh->skips = MEM_ARRAY(SkipNode, 2 * b->npairs + 1);
     if (!bvh->skips)
         return false;
-    if (bvh->base.leaves) {
-        stack[top].link = bvh->root;
-        stack[top].box = bvh->box;
-        stack[top++].branch = ROOT;
-    }
-    while (top) {
-        now = stack[--top];
-        if (now.branch != ROOT) {                       /* all below `branch` is written */
-            bvh->skips[now.branch].next = n;
-            continue;
-        }
-        bvh->skips[n] = (SkipNode){ { now.box.lo.x, now.box.lo.y, now.box.lo.z },
-                                    now.link.count ? now.link.first : SKIP_INNER,
-                                    { now.box.hi.x, now.box.hi.y, now.box.hi.z },
-                                    now.link.count };
-        if (!now.link.count) {
-            stack[top++].branch = n;
-            for (int side = 1; side >= 0; side--, top++) {
-                stack[top].link = b->pairs[now.link.first].child[side];
-                stack[top].box = pair_box(&b->pairs[now.link.first], side);
-                stack[top].branch = ROOT;
-            }
-        }
-        n++;
-    }
+    if (bvh->base.leaves)
+        write_skips(b, bvh->root, bvh->box, 0);
     return true;
 }
 
@@ -260,7 +250,7 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
         return NULL;
     b.bvh->base.geo = g;
     b.bvh->box = box_empty();
-    ok = prepare(&b, g, n) && (n == 0 || build_nodes(&b, n)) &&
+    ok = accel_counts("bvh", n, 31) && prepare(&b, g, n) && (n == 0 || build_nodes(&b, n)) &&
          (skip ? settle_skips(&b) : settle_pairs(&b));
     mem_free(b.refs);
     mem_free(b.pairs);
@@ -427,20 +417,14 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 
 /* ---- checking ---- */
 
-static bool bad(char *why, size_t room, const char *what, size_t where)
-{
-    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
-    return false;
-}
-
 static bool check_leaf(const Bvh *b, Link l, Box box, unsigned char *seen, char *why, size_t room)
 {
     for (uint32_t k = l.first; k < l.first + l.count; k++) {
         uint32_t prim = prim_of(b, k);
         if (prim >= geometry_prims(b->base.geo) || seen[prim]++)
-            return bad(why, room, "a primitive that does not exist or stands twice in the leaf", k);
+            return accel_bad(why, room, "no such primitive, or it stands twice, in leaf order", k);
         if (!box_holds(box, geometry_box(b->base.geo, prim)))
-            return bad(why, room, "a primitive sticks out of the leaf", k);
+            return accel_bad(why, room, "a primitive sticks out of the leaf", k);
     }
     return true;
 }
@@ -452,10 +436,10 @@ static bool check_link(const Bvh *b, uint32_t self, Link l, Box box, unsigned ch
     if (l.count)
         return check_leaf(b, l, box, seen, why, room);
     if (l.first >= b->npairs || (self != ROOT && l.first <= self))
-        return bad(why, room, "children out of range", self);
+        return accel_bad(why, room, "children out of range", self);
     for (int side = 0; side < 2; side++)
         if (!box_holds(box, pair_box(&b->pairs[l.first], side)))
-            return bad(why, room, "a child's box sticks out of the node", l.first);
+            return accel_bad(why, room, "a child's box sticks out of the node", l.first);
     return true;
 }
 
@@ -471,7 +455,7 @@ static bool validate_pairs(const Bvh *b, char *why, size_t room)
                             room);
     for (uint32_t i = 0; ok && i < n; i++)
         if (!seen[i])
-            ok = bad(why, room, "no leaf holds the primitive", i);
+            ok = accel_bad(why, room, "no leaf holds the primitive", i);
     mem_free(seen);
     return ok;
 }

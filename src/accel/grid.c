@@ -12,16 +12,15 @@
  *             point of the ray is found whatever the rounding of that map.
  * Mailbox     A primitive in many cells is tested once, but for collisions in a table of 64. */
 #include "accel/accel.h"
+#include "accel/cells.h"
 #include "accel/line.h"
 #include "accel/prim.h"
 #include "base/mem.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
-enum { NEST_LEAST = 24, DEPTH_MOST = 3, RES_MOST = 1 << 15, MOST = 16,
-       MOST_NESTED = 4 };
+enum { NEST_LEAST = 24, DEPTH_MOST = 3, RES_MOST = 1 << 15, MOST = 16, MOST_NESTED = 4 };
 
 /* Entries of cells: primitives, or a grid within the cell. */
 #define NESTED ((uint32_t)1 << 31)
@@ -317,7 +316,7 @@ static void measure(Grid *g)
         g->base.refs += entries;
         g->base.bytes += (cells + 1 + entries) * sizeof(uint32_t);
     }
-    g->base.leaves = 1;
+    g->base.leaves = g->base.nodes - (g->ngrids - 1);   /* the others have grids within */
 }
 
 static Accel *build(const Geometry *geo, const Opts *o, int threads)
@@ -333,9 +332,7 @@ static Accel *build(const Geometry *geo, const Opts *o, int threads)
     g->base.geo = geo;
     if (n == 0)
         return &g->base;
-    if (n >= 1u << 27) {
-        err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"grid\", "
-               "expected less than 2^27", (unsigned long)n);
+    if (!accel_counts("grid", n, 27)) {
         drop(&g->base);
         return NULL;
     }
@@ -391,7 +388,7 @@ static bool test_prim(Walk *w, uint32_t prim)
         return false;
     if (w->steps)
         w->steps->prims++;
-    return prim_nearest(geo, prim, w->ray, &w->probe, w->hit, w->steps) && w->any;
+    return prim_meets(geo, prim, w->ray, &w->probe, w->hit, w->any, w->steps) && w->any;
 }
 
 static bool visit(Walk *w, const Cells *c, size_t cell, double t0, double t1)
@@ -503,53 +500,22 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 
 /* ---- checking ---- */
 
-static bool bad(char *why, size_t room, const char *what, size_t where)
-{
-    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
-    return false;
-}
-
 /* Is the primitive in the list of the cell that holds the point? */
-static bool listed(const Grid *g, const Cells *c, uint32_t prim, const double p[3])
+static bool listed_in(const Grid *g, const Cells *c, uint32_t prim, const double p[3])
 {
     size_t cell = cell_index(c, cell_at(c, 0, p[0]), cell_at(c, 1, p[1]), cell_at(c, 2, p[2]));
     const uint32_t *list = c->entry + c->start[cell];
     uint32_t n = c->start[cell + 1] - c->start[cell];
 
     if (n == 1 && *list & NESTED)
-        return listed(g, &g->grid[*list & ~NESTED], prim, p);
+        return listed_in(g, &g->grid[*list & ~NESTED], prim, p);
     return list_holds(list, n, prim);
 }
 
-/* Some points of a triangle, its corners among them: u, v in sixths. */
-static bool check_triangle(const Grid *g, uint32_t prim)
+static bool listed(const Accel *a, uint32_t prim, const double p[3])
 {
-    V3 c[3];
-
-    geometry_corners(g->base.geo, prim, c);
-    for (int u = 0; u <= 6; u++)
-        for (int v = 0; u + v <= 6; v++) {
-            double p[3];
-            for (int k = 0; k < 3; k++)
-                p[k] = ((6 - u - v) * (double)v_axis(c[0], k) + u * (double)v_axis(c[1], k) +
-                        v * (double)v_axis(c[2], k)) / 6;
-            if (!listed(g, &g->grid[0], prim, p))
-                return false;
-        }
-    return true;
-}
-
-static bool check_box(const Grid *g, uint32_t prim)
-{
-    Box b = geometry_box(g->base.geo, prim);
-
-    for (int corner = 0; corner < 8; corner++) {
-        double p[3] = { corner & 1 ? b.lo.x : b.hi.x, corner & 2 ? b.lo.y : b.hi.y,
-                        corner & 4 ? b.lo.z : b.hi.z };
-        if (!listed(g, &g->grid[0], prim, p))
-            return false;
-    }
-    return true;
+    const Grid *g = (const Grid *)a;
+    return g->ngrids && listed_in(g, &g->grid[0], prim, p);
 }
 
 static bool check_lists(const Grid *g, const Cells *c, char *why, size_t room)
@@ -559,11 +525,11 @@ static bool check_lists(const Grid *g, const Cells *c, char *why, size_t room)
     for (size_t i = 0; i < cells; i++) {
         if (c->start[i] > c->start[i + 1] ||
             !list_ascends(c->entry + c->start[i], c->start[i + 1] - c->start[i]))
-            return bad(why, room, "a list that does not ascend in cell", i);
+            return accel_bad(why, room, "a list that does not ascend in cell", i);
         for (uint32_t k = c->start[i]; k < c->start[i + 1]; k++) {
             uint32_t e = c->entry[k];
             if (e & NESTED ? (e & ~NESTED) >= g->ngrids : e >= geometry_prims(g->base.geo))
-                return bad(why, room, "a primitive or grid that does not exist in cell", i);
+                return accel_bad(why, room, "a primitive or grid that does not exist in cell", i);
         }
     }
     return true;
@@ -572,18 +538,11 @@ static bool check_lists(const Grid *g, const Cells *c, char *why, size_t room)
 static bool validate(const Accel *a, char *why, size_t room)
 {
     const Grid *g = (const Grid *)a;
-    uint32_t n = geometry_prims(a->geo);
 
     for (size_t i = 0; i < g->ngrids; i++)
         if (!check_lists(g, &g->grid[i], why, room))
             return false;
-    for (uint32_t i = 0; i < n; i++) {
-        if (!g->ngrids || !box_holds(g->box, geometry_box(a->geo, i)))
-            return bad(why, room, "a primitive sticks out of the grid", i);
-        if (geometry_is_tri(a->geo, i) ? !check_triangle(g, i) : !check_box(g, i))
-            return bad(why, room, "a cell does not list a primitive that is in it", i);
-    }
-    return true;
+    return cells_validate(a, g->box, listed, why, room);
 }
 
 static const OptDef options[] = {

@@ -12,16 +12,16 @@
  *             however the plane is rounded. The first hit that is found is not the last word: the
  *             walk goes on until cells begin behind it. */
 #include "accel/accel.h"
+#include "accel/cells.h"
 #include "accel/line.h"
 #include "accel/prim.h"
 #include "base/mem.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLANES = 32, FEW = 64, DEPTH_MOST = 64, ENTRIES_MOST = 12 };
+enum { PLANES = 32, FEW = 64, DEPTH_MOST = 64, ENTRIES_MOST = 12, NODES_MOST = 1 << 29 };
 
 /* The kind is the axis of the plane, or LEAF. */
 typedef struct {
@@ -61,10 +61,10 @@ typedef struct {
 /* A plane and its cost; axis < 0: none is better than a leaf. */
 typedef struct { int axis; float plane; double cost; } Choice;
 
-static float axis_set(Box *b, bool upper, int axis, float x)
+static void axis_set(Box *b, bool upper, int axis, float x)
 {
     float *p = upper ? &b->hi.x : &b->lo.x;
-    return p[axis] = x;
+    p[axis] = x;
 }
 
 static double area(Box b)
@@ -306,7 +306,8 @@ static bool make_node(Build *b, size_t first, Box cell, int depth)
     if (!mem_grow(&t->nodes, &t->cap_nodes, at + 1, sizeof *t->nodes))
         return false;
     t->nnodes++;
-    if (n > b->leaf && depth < b->depth && t->nentries + n < b->entries_most)
+    if (n > b->leaf && depth < b->depth && t->nentries + n < b->entries_most &&
+        t->nnodes < NODES_MOST)
         c = choose(b, b->part + first, n, cell);
     if (c.axis < 0)
         return make_leaf(b, at, b->part + first, n, depth);
@@ -398,11 +399,8 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
     t->base.geo = g;
     if (n == 0)
         return &t->base;
-    ok = n < 1u << 25;                  /* nodes and entries are counted in 30 bits */
-    if (!ok)
-        err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"kdtree\", "
-               "expected less than 2^25", (unsigned long)n);
-    ok = ok && begin(&b, g, n) && make_node(&b, 0, t->box, 0) && settle(t);
+    ok = accel_counts("kdtree", n, 25) &&       /* nodes and entries are counted in 30 bits */
+         begin(&b, g, n) && make_node(&b, 0, t->box, 0) && settle(t);
     mem_free(b.part);
     if (!ok) {
         drop(&t->base);
@@ -485,7 +483,7 @@ static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
                 continue;
             if (steps)
                 steps->prims++;
-            if (prim_nearest(t->base.geo, prim, r, &p, h, steps) && any)
+            if (prim_meets(t->base.geo, prim, r, &p, h, any, steps) && any)
                 return true;
         }
         do {
@@ -512,52 +510,21 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 
 /* ---- checking ---- */
 
-static bool bad(char *why, size_t room, const char *what, size_t where)
-{
-    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
-    return false;
-}
-
 /* Is the primitive in the leaf of the point? Points on a plane are in both. */
-static bool listed(const KdTree *t, uint32_t at, uint32_t prim, const double p[3])
+static bool listed_below(const KdTree *t, uint32_t at, uint32_t prim, const double p[3])
 {
     const Node *n = &t->nodes[at];
 
     if (kind_of(n) == LEAF)
         return list_holds(t->entry + n->at.first, number_of(n), prim);
-    return (p[kind_of(n)] > n->at.plane || listed(t, at + 1, prim, p)) &&
-           (p[kind_of(n)] < n->at.plane || listed(t, number_of(n), prim, p));
+    return (p[kind_of(n)] > n->at.plane || listed_below(t, at + 1, prim, p)) &&
+           (p[kind_of(n)] < n->at.plane || listed_below(t, number_of(n), prim, p));
 }
 
-/* Points of a triangle, its corners among them: u, v in sixths. */
-static bool check_triangle(const KdTree *t, uint32_t prim)
+static bool listed(const Accel *a, uint32_t prim, const double p[3])
 {
-    V3 c[3];
-
-    geometry_corners(t->base.geo, prim, c);
-    for (int u = 0; u <= 6; u++)
-        for (int v = 0; u + v <= 6; v++) {
-            double p[3];
-            for (int k = 0; k < 3; k++)
-                p[k] = ((6 - u - v) * (double)v_axis(c[0], k) + u * (double)v_axis(c[1], k) +
-                        v * (double)v_axis(c[2], k)) / 6;
-            if (!listed(t, 0, prim, p))
-                return false;
-        }
-    return true;
-}
-
-static bool check_box(const KdTree *t, uint32_t prim)
-{
-    Box b = geometry_box(t->base.geo, prim);
-
-    for (int corner = 0; corner < 8; corner++) {
-        double p[3] = { corner & 1 ? b.lo.x : b.hi.x, corner & 2 ? b.lo.y : b.hi.y,
-                        corner & 4 ? b.lo.z : b.hi.z };
-        if (!listed(t, 0, prim, p))
-            return false;
-    }
-    return true;
+    const KdTree *t = (const KdTree *)a;
+    return t->nnodes && listed_below(t, 0, prim, p);
 }
 
 static bool check_nodes(const KdTree *t, char *why, size_t room)
@@ -565,30 +532,21 @@ static bool check_nodes(const KdTree *t, char *why, size_t room)
     for (size_t i = 0; i < t->nnodes; i++) {
         const Node *n = &t->nodes[i];
         if (kind_of(n) != LEAF && (number_of(n) <= i + 1 || number_of(n) >= t->nnodes))
-            return bad(why, room, "a child out of range", i);
+            return accel_bad(why, room, "a child out of range", i);
         if (kind_of(n) == LEAF && ((size_t)n->at.first + number_of(n) > t->nentries ||
                                    !list_ascends(t->entry + n->at.first, number_of(n))))
-            return bad(why, room, "a leaf out of range, or its list does not ascend", i);
+            return accel_bad(why, room, "a leaf out of range, or its list does not ascend", i);
     }
     for (size_t i = 0; i < t->nentries; i++)
         if (t->entry[i] >= geometry_prims(t->base.geo))
-            return bad(why, room, "a primitive that does not exist", i);
+            return accel_bad(why, room, "a primitive that does not exist", i);
     return true;
 }
 
 static bool validate(const Accel *a, char *why, size_t room)
 {
     const KdTree *t = (const KdTree *)a;
-
-    if (!check_nodes(t, why, room))
-        return false;
-    for (uint32_t i = 0; i < geometry_prims(a->geo); i++) {
-        if (!t->nnodes || !box_holds(t->box, geometry_box(a->geo, i)))
-            return bad(why, room, "a primitive sticks out of the tree", i);
-        if (geometry_is_tri(a->geo, i) ? !check_triangle(t, i) : !check_box(t, i))
-            return bad(why, room, "a leaf does not list a primitive that is in it", i);
-    }
-    return true;
+    return check_nodes(t, why, room) && cells_validate(a, t->box, listed, why, room);
 }
 
 static const OptDef options[] = {

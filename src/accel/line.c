@@ -1,8 +1,6 @@
 /* line.c -- where a ray may be. See line.h. */
 #include "accel/line.h"
 
-#include <string.h>
-
 double line_slack(Box b)
 {
     double slack = 0;
@@ -28,24 +26,4 @@ bool line_init(Line *l, const Ray *r, double slack)
         moves = moves || d[k] != 0.0f;
     }
     return moves && v_finite(r->o) && v_finite(r->d);
-}
-
-void mailbox_init(Mailbox *m) { memset(m, 0xFF, sizeof *m); }
-
-bool list_ascends(const uint32_t *list, size_t n)
-{
-    for (size_t i = 1; i < n; i++)
-        if (list[i] <= list[i - 1])
-            return false;
-    return true;
-}
-
-bool list_holds(const uint32_t *list, size_t n, uint32_t prim)
-{
-    while (n > 1) {
-        size_t half = n / 2;
-        list += list[half] <= prim ? half : 0;
-        n -= half;
-    }
-    return n && *list == prim;
 }

@@ -1,5 +1,5 @@
-/* line.h -- where a ray may be, for structures that divide space: what they share with the margins
- * that no hit is lost.
+/* line.h -- where a ray may be, for structures that divide space: the margins by which no hit is
+ * lost.
  *
  * Structures of boxes need no care: a box that holds a primitive's box is never passed over, see
  * slabs() in geometry/ray.h. Cells are not such boxes; they cut primitives. But the tests of
@@ -12,8 +12,7 @@
 #ifndef ACCEL_LINE_H
 #define ACCEL_LINE_H
 
-#include "accel/accel.h"
-#include "accel/prim.h"
+#include "geometry/geometry.h"
 
 typedef struct { double o[3], d[3], slack; } Line;
 
@@ -40,22 +39,5 @@ INLINE double line_doubt(const Line *l, int axis, double t)
     double least = 2 * l->slack / fabs(l->d[axis]) + 0x1p-140;
     return least + 64 * 0x1p-24 * (fabs(t) + least);
 }
-
-/* ---- primitives in several cells ---- */
-
-/* What a query has tested already, but for collisions. [Amanatides87] */
-typedef struct { uint32_t prim[64]; } Mailbox;
-
-void mailbox_init(Mailbox *m);
-INLINE bool mailbox_takes(Mailbox *m, uint32_t prim)
-{
-    bool first = m->prim[prim % 64] != prim;
-    m->prim[prim % 64] = prim;
-    return first;
-}
-
-/* Lists of cells ascend, so a primitive stands in one once. */
-bool list_ascends(const uint32_t *list, size_t n);
-bool list_holds(const uint32_t *list, size_t n, uint32_t prim);
 
 #endif

@@ -32,4 +32,19 @@ INLINE bool prim_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Pr
     return odd_blocks(g, prim, r, p, steps);
 }
 
+/* The one or the other: *h is set unless `any` hit at t <= h->t will do, and then a part of it. */
+INLINE bool prim_meets(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Hit *h,
+                       bool any, Steps *steps)
+{
+    if (LIKELY(geometry_is_tri(g, prim)))
+        return triangle_nearest(g, prim, p, h);
+    if (!any)
+        return odd_nearest(g, prim, r, p, h, steps);
+    if (odd_blocks(g, prim, r, p, steps)) {
+        h->outer = prim;
+        return true;
+    }
+    return false;
+}
+
 #endif

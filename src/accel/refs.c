@@ -90,9 +90,10 @@ size_t refs_split_median(Ref *refs, size_t n, Box centres)
     return n / 2;
 }
 
-/* refs[0..k) become those whose centres lie below x on the axis. */
-static size_t divide_refs(Ref *refs, size_t n, int axis, float x)
+size_t refs_split_middle(Ref *refs, size_t n, Box centres)
 {
+    int axis = longest_axis(centres);
+    float x = 0.5f * v_axis(centres.lo, axis) + 0.5f * v_axis(centres.hi, axis);
     size_t i = 0, j = n;
 
     while (i < j) {
@@ -104,15 +105,7 @@ static size_t divide_refs(Ref *refs, size_t n, int axis, float x)
             refs[j] = swap;
         }
     }
-    return i;
-}
-
-size_t refs_split_middle(Ref *refs, size_t n, Box centres)
-{
-    int axis = longest_axis(centres);
-    size_t k = divide_refs(refs, n, axis,
-                           0.5f * v_axis(centres.lo, axis) + 0.5f * v_axis(centres.hi, axis));
-    return k > 0 && k < n ? k : refs_split_median(refs, n, centres);
+    return i > 0 && i < n ? i : refs_split_median(refs, n, centres);
 }
 
 typedef struct { Box box; uint32_t n; } Bin;

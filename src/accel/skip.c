@@ -7,7 +7,6 @@
 #include "accel/prim.h"
 #include "base/mem.h"
 
-#include <stdio.h>
 
 INLINE uint32_t prim_of(const SkipTree *t, uint32_t i) { return t->order ? t->order[i] : i; }
 
@@ -34,7 +33,7 @@ size_t skip_build(SkipNode *nodes, Ref *refs, uint32_t n)
     return n ? build_run(nodes, refs, 0, n, 0) : 0;
 }
 
-bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
+INLINE bool walk(const SkipTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
 {
     Probe p;
 
@@ -49,49 +48,29 @@ bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
             k = leaf ? k + 1 : n->next;
             continue;
         }
-        if (leaf) {
+        for (uint32_t i = 0; leaf && i < n->next; i++) {
             if (steps)
-                steps->prims += n->next;
-            for (uint32_t i = n->first; i < n->first + n->next; i++)
-                prim_nearest(t->geo, prim_of(t, i), r, &p, h, steps);
+                steps->prims++;
+            if (prim_meets(t->geo, prim_of(t, n->first + i), r, &p, h, any, steps) && any)
+                return true;
         }
         k++;
     }
     return h->outer != NO_PRIM;
 }
 
+bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
+{
+    return walk(t, r, h, false, steps);
+}
+
 bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps)
 {
-    Probe p;
-
-    probe_init(&p, r);
-    for (size_t k = 0; k < t->n;) {
-        const SkipNode *n = &t->nodes[k];
-        bool leaf = n->first != SKIP_INNER;
-        if (steps)
-            steps->nodes++;
-        if (!skip_enters(n, &p, r->tmax)) {
-            k = leaf ? k + 1 : n->next;
-            continue;
-        }
-        for (uint32_t i = 0; leaf && i < n->next; i++) {
-            if (steps)
-                steps->prims++;
-            if (prim_blocks(t->geo, prim_of(t, n->first + i), r, &p, steps))
-                return true;
-        }
-        k++;
-    }
-    return false;
+    Hit h;
+    return walk(t, r, &h, true, steps);
 }
 
 /* ---- checking ---- */
-
-static bool bad(char *why, size_t room, const char *what, size_t where)
-{
-    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
-    return false;
-}
 
 static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *why, size_t room)
 {
@@ -99,13 +78,13 @@ static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *w
     uint32_t prims = geometry_prims(t->geo);
 
     if (n->next > prims || n->first > prims - n->next)
-        return bad(why, room, "a leaf of primitives that do not exist", k);
+        return accel_bad(why, room, "a leaf of primitives that do not exist", k);
     for (uint32_t i = n->first; i < n->first + n->next; i++) {
         uint32_t prim = prim_of(t, i);
         if (prim >= prims || seen[prim]++)
-            return bad(why, room, "a primitive that does not exist or stands twice in leaf", k);
+            return accel_bad(why, room, "a primitive that does not exist or stands twice in", k);
         if (!box_holds(skip_box(n), geometry_box(t->geo, prim)))
-            return bad(why, room, "a primitive sticks out of leaf", k);
+            return accel_bad(why, room, "a primitive sticks out of leaf", k);
     }
     return true;
 }
@@ -124,17 +103,17 @@ bool skip_validate(const SkipTree *t, char *why, size_t room)
         while (depth && t->nodes[above[depth - 1]].next <= k)
             depth--;
         if (depth && !box_holds(skip_box(&t->nodes[above[depth - 1]]), skip_box(n)))
-            ok = bad(why, room, "a child's box sticks out of the node", above[depth - 1]);
+            ok = accel_bad(why, room, "a child's box sticks out of the node", above[depth - 1]);
         else if (n->first != SKIP_INNER)
             ok = check_leaf(t, k, seen, why, room);
         else if (n->next <= k + 1 || n->next > (depth ? t->nodes[above[depth - 1]].next : t->n))
-            ok = bad(why, room, "a branch that ends outside of its parent's", k);
+            ok = accel_bad(why, room, "a branch that ends outside of its parent's", k);
         else
             above[depth++] = (uint32_t)k;
     }
     for (uint32_t i = 0; ok && i < geometry_prims(t->geo); i++)
         if (!seen[i])
-            ok = bad(why, room, "no leaf holds the primitive", i);
+            ok = accel_bad(why, room, "no leaf holds the primitive", i);
     mem_free(seen);
     mem_free(above);
     return ok;

@@ -21,7 +21,6 @@
 #include "base/simd.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { WIDTH = 8, LEAF = 8, ENOUGH = 2 };
@@ -250,9 +249,7 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
     if (!b.wide)
         return NULL;
     b.wide->base.geo = g;
-    if (n >= MOST_PRIMS) {
-        err_at((Place){ NULL, 0, 0 }, "%lu primitives in one object are too many for \"wide\", "
-               "expected less than %lu", (unsigned long)n, (unsigned long)MOST_PRIMS);
+    if (!accel_counts("wide", n, LEAF_SHIFT)) {
         drop(&b.wide->base);
         return NULL;
     }
@@ -470,12 +467,6 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 
 /* ---- checking ---- */
 
-static bool bad(char *why, size_t room, const char *what, size_t where)
-{
-    snprintf(why, room, "%s at %lu", what, (unsigned long)where);
-    return false;
-}
-
 typedef struct {
     const Wide *wide;
     unsigned char *seen;                /* of each primitive */
@@ -487,9 +478,9 @@ typedef struct {
 static bool check_prim(Check *c, uint32_t prim, Box box)
 {
     if (prim >= geometry_prims(c->wide->base.geo) || c->seen[prim]++)
-        return bad(c->why, c->room, "a primitive that does not exist or stands twice", prim);
+        return accel_bad(c->why, c->room, "a primitive that does not exist or stands twice", prim);
     if (!box_holds(box, geometry_box(c->wide->base.geo, prim)))
-        return bad(c->why, c->room, "a primitive sticks out of its leaf", prim);
+        return accel_bad(c->why, c->room, "a primitive sticks out of its leaf", prim);
     return true;
 }
 
@@ -502,7 +493,7 @@ static bool check_lane(Check *c, const TriangleBlock *b, int k, uint32_t prim)
     for (int i = 0; i < 3; i++)
         for (int axis = 0; axis < 3; axis++)
             if (b->p[i][axis][k] != v_axis(corner[i], axis))
-                return bad(c->why, c->room, "a corner is not the triangle's", prim);
+                return accel_bad(c->why, c->room, "a corner is not the triangle's", prim);
     return true;
 }
 
@@ -514,14 +505,14 @@ static bool check_leaf(Check *c, Below at, Box box)
     int count = leaf_count(at);
 
     if (w->order ? place + (Below)count > n : place >= w->nblocks)
-        return bad(c->why, c->room, "a leaf that does not exist", place);
+        return accel_bad(c->why, c->room, "a leaf that does not exist", place);
     c->blocks += !w->order;
     for (int k = 0; k < count; k++) {
         uint32_t prim = w->order ? w->order[place + (Below)k] : w->blocks[place].prim[k];
         if (!check_prim(c, prim, box))
             return false;
         if (!geometry_is_tri(w->base.geo, prim))
-            return bad(c->why, c->room, "an odd primitive among triangles", prim);
+            return accel_bad(c->why, c->room, "an odd primitive among triangles", prim);
         if (!w->order && !check_lane(c, &w->blocks[place], k, prim))
             return false;
     }
@@ -539,7 +530,7 @@ static bool check_below(Check *c, Below at, Box box, size_t least)
     if (!is_node(at))
         return check_leaf(c, at, box);
     if (at >= w->nnodes || at < least)
-        return bad(c->why, c->room, "a node out of range", at);
+        return accel_bad(c->why, c->room, "a node out of range", at);
     n = &w->nodes[at];
     c->nodes++;
     for (int k = 0; k < WIDTH; k++)
@@ -558,10 +549,10 @@ static bool validate(const Accel *a, char *why, size_t room)
     bool ok = c.seen && (n == 0 || check_below(&c, w->root, all, 0));
 
     if (ok && (c.nodes != w->nnodes || c.blocks != w->nblocks))
-        ok = bad(why, room, "nodes or blocks that nothing leads to, after", c.nodes);
+        ok = accel_bad(why, room, "nodes or blocks that nothing leads to, after", c.nodes);
     for (uint32_t i = 0; ok && i < n; i++)
         if (!c.seen[i])
-            ok = bad(why, room, "no leaf holds the primitive", i);
+            ok = accel_bad(why, room, "no leaf holds the primitive", i);
     mem_free(c.seen);
     return ok;
 }

@@ -155,13 +155,8 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         in->accel = s->accels[in->child];
         in->bounds = map_box(&in->to_world, bounds_of(in->accel->geo));
     }
-    if (kind->arrange && !kind->arrange(g, o))
-        return false;
-    s->accels[k] = kind->build(g, o, threads);
-    if (!s->accels[k])
-        return false;
-    s->accels[k]->kind = kind;
-    return true;
+    s->accels[k] = accel_build(kind, g, o, threads);
+    return s->accels[k] != NULL;
 }
 
 /* The world's sphere: of its box; a scene without shapes gets one of radius 1, so that powers of
