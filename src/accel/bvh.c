@@ -95,40 +95,40 @@ static void make_leaf(Build *b, Link *link, const Task *t)
 }
 
 /* How many of the task's primitives go to the left; 0: it becomes a leaf. */
-static size_t choose_split(const Build *b, const Task *t, Box box, Box centres)
+static size_t choose_split(const Build *b, const Task *t, const Extent *e)
 {
     Ref *refs = b->refs + t->first;
+    Extent half[2];
 
     if (t->count == 1)
         return 0;
     if (b->split == SAH && t->depth < REFS_DEPTH_SAH)
-        return refs_split_sah(refs, t->count, box, centres, b->leaf, 1);
+        return refs_split_sah(refs, t->count, e, b->leaf, 1, half);
     if (t->count <= b->leaf)
         return 0;
     if (b->split == MEDIAN || t->depth >= REFS_DEPTH_SAH)
-        return refs_split_median(refs, t->count, centres);
-    return b->split == GS ? b->left[t->place] : refs_split_middle(refs, t->count, centres);
+        return refs_split_median(refs, t->count, e->centres);
+    return b->split == GS ? b->left[t->place] : refs_split_middle(refs, t->count, e->centres);
 }
 
 /* Sets the box and the link of the task's node and, unless it became a leaf, gives the tasks of its
  * children. */
 static bool make_node(Build *b, Task t, Task child[2], bool *inner)
 {
-    Box box, centres;
+    Extent e = refs_extent(b->refs + t.first, t.count);
     uint32_t left, pair = (uint32_t)b->npairs;
     Link *link;
 
-    refs_bounds(b->refs + t.first, t.count, &box, &centres);
-    left = (uint32_t)choose_split(b, &t, box, centres);
+    left = (uint32_t)choose_split(b, &t, &e);
     *inner = left > 0;
     if (left && !mem_grow(&b->pairs, &b->cap_pairs, b->npairs + 1, sizeof(Pair)))
         return false;
     b->npairs += left > 0;
     if (t.pair == ROOT) {
-        b->bvh->box = box;
+        b->bvh->box = e.box;
         link = &b->bvh->root;
     } else {
-        pair_set_box(&b->pairs[t.pair], t.side, box);
+        pair_set_box(&b->pairs[t.pair], t.side, e.box);
         link = &b->pairs[t.pair].child[t.side];
     }
     if (!left) {

@@ -67,7 +67,6 @@ static void node_range(const Tree *t, Form f, uint32_t j, uint32_t *from, uint32
 static void arrange_siblings(const Tree *t, Form f, Ref *refs, uint32_t from, uint32_t to)
 {
     uint32_t begin, middle, end, unused, half = from + (to - from) / 2;
-    Box box, centres;
 
     if (from == to) {
         if (from < t->inner)
@@ -78,8 +77,8 @@ static void arrange_siblings(const Tree *t, Form f, Ref *refs, uint32_t from, ui
     node_range(t, f, half, &unused, &middle);
     node_range(t, f, to, &unused, &end);
     if (begin < middle && middle < end) {
-        refs_bounds(refs + begin, end - begin, &box, &centres);
-        refs_divide(refs + begin, end - begin, middle - begin, centres);
+        Extent e = refs_extent(refs + begin, end - begin);
+        refs_divide(refs + begin, end - begin, middle - begin, e.centres);
     }
     arrange_siblings(t, f, refs, from, half);
     arrange_siblings(t, f, refs, half + 1, to);
@@ -90,7 +89,7 @@ static void arrange_pieces(Form f, Ref *refs, uint32_t count, uint32_t n, uint32
                            uint32_t to)
 {
     uint32_t begin = piece_begin(count, n, from), end = piece_begin(count, n, to + 1), middle;
-    Box box, centres;
+    Extent e;
 
     if (from == to) {
         Tree t = tree_of(f, 0, end - begin);
@@ -99,8 +98,8 @@ static void arrange_pieces(Form f, Ref *refs, uint32_t count, uint32_t n, uint32
         return;
     }
     middle = piece_begin(count, n, from + (to - from) / 2 + 1);
-    refs_bounds(refs + begin, end - begin, &box, &centres);
-    refs_divide(refs + begin, end - begin, middle - begin, centres);
+    e = refs_extent(refs + begin, end - begin);
+    refs_divide(refs + begin, end - begin, middle - begin, e.centres);
     arrange_pieces(f, refs, count, n, from, from + (to - from) / 2);
     arrange_pieces(f, refs, count, n, from + (to - from) / 2 + 1, to);
 }

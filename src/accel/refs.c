@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { BINS = 16 };
+enum { BINS = 16, FEW = 24, BINS_FEW = 8 };
 
 void refs_init(Ref *refs, const Geometry *g)
 {
@@ -24,13 +24,45 @@ static float ref_centre(const Ref *r, int axis)
     return 0.5f * v_axis(r->box.lo, axis) + 0.5f * v_axis(r->box.hi, axis);
 }
 
-void refs_bounds(const Ref *refs, size_t n, Box *box, Box *centres)
+/* Boxes as two vectors, of which the fourth lane is of no concern. */
+typedef struct { F4 lo, hi; } Bounds;
+
+INLINE Bounds bounds_none(void)
 {
-    *box = *centres = box_empty();
+    return (Bounds){ f4_all(INFINITY), f4_all(-INFINITY) };
+}
+
+INLINE void bounds_join(Bounds *b, F4 lo, F4 hi)
+{
+    b->lo = f4_min(lo, b->lo);
+    b->hi = f4_max(hi, b->hi);
+}
+
+INLINE Box bounds_box(Bounds b)
+{
+    return (Box){ v3(f4_lane(b.lo, 0), f4_lane(b.lo, 1), f4_lane(b.lo, 2)),
+                  v3(f4_lane(b.hi, 0), f4_lane(b.hi, 1), f4_lane(b.hi, 2)) };
+}
+
+/* What follows the corner in the ref is read, too. */
+INLINE F4 ref_lo(const Ref *r) { return f4_load_any(&r->box.lo.x); }
+INLINE F4 ref_hi(const Ref *r) { return f4_load_any(&r->box.hi.x); }
+INLINE F4 middle(F4 lo, F4 hi)
+{
+    F4 half = f4_all(0.5f);
+    return f4_add(f4_mul(half, lo), f4_mul(half, hi));
+}
+
+Extent refs_extent(const Ref *refs, size_t n)
+{
+    Bounds all = bounds_none(), centres = all;
+
     for (size_t i = 0; i < n; i++) {
-        *box = box_join(*box, refs[i].box);
-        *centres = box_point(*centres, box_centre(refs[i].box));
+        F4 lo = ref_lo(&refs[i]), hi = ref_hi(&refs[i]), c = middle(lo, hi);
+        bounds_join(&all, lo, hi);
+        bounds_join(&centres, c, c);
     }
+    return (Extent){ bounds_box(all), bounds_box(centres) };
 }
 
 /* The place of the centre along the axis as a number of the same order, with the primitive's number
@@ -108,84 +140,126 @@ size_t refs_split_middle(Ref *refs, size_t n, Box centres)
     return i > 0 && i < n ? i : refs_split_median(refs, n, centres);
 }
 
-typedef struct { Box box; uint32_t n; } Bin;
+/* ---- the surface area heuristic ---- */
 
-static int bin_of(const Ref *r, int axis, float lo, float scale)
+typedef struct { Bounds bounds; uint32_t n; } Bin;
+
+/* From a place along an axis to one of `count` bins. */
+typedef struct { F4 lo, scale, last; int count; } Bins;
+
+static Bins bins_over(Box centres, size_t n)
 {
-    float b = (ref_centre(r, axis) - lo) * scale;       /* no number if the extent overflows */
-    return b >= (float)BINS ? BINS - 1 : b > 0.0f ? (int)b : 0;
+    float lo[4] = { 0 }, scale[4] = { 0 };
+    int count = n > FEW ? BINS : BINS_FEW;
+
+    for (int k = 0; k < 3; k++) {
+        float extent = v_axis(centres.hi, k) - v_axis(centres.lo, k), s = (float)count / extent;
+        lo[k] = v_axis(centres.lo, k);
+        scale[k] = extent > 0.0f && is_finite(s) ? s : 0.0f;
+    }
+    return (Bins){ f4_load_any(lo), f4_load_any(scale), f4_all((float)(count - 1)), count };
+}
+
+/* The bins of a place on all axes. What is no number, from an extent that overflows, counts as in
+ * the first. */
+INLINE F4 bins_at(const Bins *b, F4 centre)
+{
+    F4 at = f4_mul(f4_sub(centre, b->lo), b->scale);
+    return f4_min(f4_max(at, f4_all(0.0f)), b->last);
 }
 
 /* Cost of n primitives that are tested `block` at a time. */
 static float groups(uint32_t n, size_t block) { return (float)((n + block - 1) / block); }
 
-/* Least cost of a split between bins: sum over sides of area times cost. *cut: first bin of the
- * right side. */
-static float best_cut(const Bin *bins, size_t block, int *cut)
+/* A cut along an axis: what comes before bin `cut` is on the left. */
+typedef struct { float cost; int axis, cut; Box left, right; } Cut;
+
+/* The cheapest cut between bins of an axis, if it is cheaper than *best. */
+static void best_cut(const Bin *bins, int count, size_t block, int axis, Cut *best)
 {
-    float cost[BINS], best = INFINITY;
-    Box b = box_empty();
+    Bounds right[BINS], left = bounds_none();
+    float cost[BINS];
     uint32_t n = 0;
 
-    for (int i = BINS - 1; i > 0; i--) {
-        b = box_join(b, bins[i].box);
+    right[count - 1] = left;
+    for (int i = count - 1; i > 0; i--) {
+        right[i] = i + 1 < count ? right[i + 1] : left;
+        bounds_join(&right[i], bins[i].bounds.lo, bins[i].bounds.hi);
         n += bins[i].n;
-        cost[i] = n ? box_area(b) * groups(n, block) : INFINITY;
+        cost[i] = n ? box_area(bounds_box(right[i])) * groups(n, block) : INFINITY;
     }
-    b = box_empty();
     n = 0;
-    for (int i = 1; i < BINS; i++) {
-        b = box_join(b, bins[i - 1].box);
+    for (int i = 1; i < count; i++) {
+        float sum;
+        bounds_join(&left, bins[i - 1].bounds.lo, bins[i - 1].bounds.hi);
         n += bins[i - 1].n;
-        if (n && box_area(b) * groups(n, block) + cost[i] < best) {
-            best = box_area(b) * groups(n, block) + cost[i];
-            *cut = i;
+        if (bins[i - 1].n == 0)
+            continue;
+        sum = box_area(bounds_box(left)) * groups(n, block) + cost[i];
+        if (sum < best->cost)
+            *best = (Cut){ sum, axis, i, bounds_box(left), bounds_box(right[i]) };
+    }
+}
+
+static Cut find_cut(const Ref *refs, size_t n, const Bins *b, size_t block)
+{
+    Cut best = { INFINITY, -1, 0, { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 0 } } };
+    Bin bins[3][BINS];
+
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < b->count; i++)
+            bins[k][i] = (Bin){ bounds_none(), 0 };
+    for (size_t r = 0; r < n; r++) {
+        F4 lo = ref_lo(&refs[r]), hi = ref_hi(&refs[r]), at = bins_at(b, middle(lo, hi));
+        for (int k = 0; k < 3; k++) {
+            Bin *bin = &bins[k][(int)f4_lane(at, k)];
+            bounds_join(&bin->bounds, lo, hi);
+            bin->n++;
         }
     }
+    for (int k = 0; k < 3; k++)
+        if (f4_lane(b->scale, k) > 0.0f)
+            best_cut(bins[k], b->count, block, k, &best);
     return best;
 }
 
-size_t refs_split_sah(Ref *refs, size_t n, Box box, Box centres, size_t leaf, size_t block)
+/* Puts what lies left of the cut before what does not; returns how many the former are. */
+static size_t divide_at(Ref *refs, size_t n, const Bins *b, const Cut *c, Extent half[2])
 {
-    Bin bins[3][BINS];
-    float scale[3], lo[3], best = INFINITY;
-    int axis = -1, cut = 0;
+    Bounds centres[2] = { bounds_none(), bounds_none() };
     size_t i = 0, j = n;
 
-    for (int k = 0; k < 3; k++) {
-        float extent = v_axis(centres.hi, k) - v_axis(centres.lo, k);
-        lo[k] = v_axis(centres.lo, k);
-        scale[k] = extent > 0.0f && is_finite((float)BINS / extent) ? (float)BINS / extent : 0.0f;
-        for (int b = 0; b < BINS; b++)
-            bins[k][b] = (Bin){ box_empty(), 0 };
-    }
-    for (size_t r = 0; r < n; r++)
-        for (int k = 0; k < 3; k++) {
-            Bin *b = &bins[k][bin_of(&refs[r], k, lo[k], scale[k])];
-            b->box = box_join(b->box, refs[r].box);
-            b->n++;
-        }
-    for (int k = 0; k < 3; k++) {
-        int at = 0;
-        float cost = scale[k] > 0.0f ? best_cut(bins[k], block, &at) : INFINITY;
-        if (cost < best) {
-            best = cost;
-            axis = k;
-            cut = at;
-        }
-    }
-    if (n <= leaf && !(best + box_area(box) < box_area(box) * groups((uint32_t)n, block)))
-        return 0;
-    if (axis < 0)                               /* all centres in one place, or no area at all */
-        return refs_split_median(refs, n, centres);
     while (i < j) {
-        if (bin_of(&refs[i], axis, lo[axis], scale[axis]) < cut)
+        F4 centre = middle(ref_lo(&refs[i]), ref_hi(&refs[i]));
+        if ((int)f4_lane(bins_at(b, centre), c->axis) < c->cut) {
+            bounds_join(&centres[0], centre, centre);
             i++;
-        else {
+        } else {
             Ref swap = refs[i];
             refs[i] = refs[--j];
             refs[j] = swap;
+            bounds_join(&centres[1], centre, centre);
         }
     }
-    return i > 0 && i < n ? i : refs_split_median(refs, n, centres);
+    half[0] = (Extent){ c->left, bounds_box(centres[0]) };
+    half[1] = (Extent){ c->right, bounds_box(centres[1]) };
+    return i;
+}
+
+size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, size_t block,
+                      Extent half[2])
+{
+    Bins bins = bins_over(whole->centres, n);
+    Cut cut = find_cut(refs, n, &bins, block);
+    float area = box_area(whole->box);
+    size_t k;
+
+    if (n <= leaf && !(cut.cost + area < area * groups((uint32_t)n, block)))
+        return 0;
+    if (cut.axis >= 0)
+        return divide_at(refs, n, &bins, &cut, half);
+    k = refs_split_median(refs, n, whole->centres);     /* all in one place, or no area at all */
+    half[0] = refs_extent(refs, k);
+    half[1] = refs_extent(refs + k, n - k);
+    return k;
 }

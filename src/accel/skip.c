@@ -7,20 +7,19 @@
 #include "accel/prim.h"
 #include "base/mem.h"
 
-
 INLINE uint32_t prim_of(const SkipTree *t, uint32_t i) { return t->order ? t->order[i] : i; }
 
 /* By recursion: halving ends soon. */
 static size_t build_run(SkipNode *nodes, Ref *refs, uint32_t first, uint32_t n, size_t at)
 {
-    Box b, centres;
+    Extent e = refs_extent(refs + first, n);
+    V3 lo = e.box.lo, hi = e.box.hi;
     size_t next = at + 1, k;
 
-    refs_bounds(refs + first, n, &b, &centres);
-    nodes[at] = (SkipNode){ { b.lo.x, b.lo.y, b.lo.z }, first, { b.hi.x, b.hi.y, b.hi.z }, 1 };
+    nodes[at] = (SkipNode){ { lo.x, lo.y, lo.z }, first, { hi.x, hi.y, hi.z }, 1 };
     if (n == 1)
         return next;
-    k = refs_split_median(refs + first, n, centres);
+    k = refs_split_median(refs + first, n, e.centres);
     next = build_run(nodes, refs, first, (uint32_t)k, next);
     next = build_run(nodes, refs, first + (uint32_t)k, n - (uint32_t)k, next);
     nodes[at].first = SKIP_INNER;

@@ -19,6 +19,7 @@
 #define INLINE      static inline __attribute__((always_inline, unused))
 #define SWAP_BYTES(x) __builtin_bswap64(x)
 #define LOWEST_BIT(x) __builtin_ctz((unsigned)(x))
+#define COUNT_BITS(x) __builtin_popcount((unsigned)(x))
 #else
 #define PRINTF_LIKE(f, a)
 #define LIKELY(c)   (c)
@@ -31,12 +32,20 @@
      ((x) & 0xFF000000u) << 8 | ((x) >> 8 & 0xFF000000u) | ((x) >> 24 & 0xFF0000u) |   \
      ((x) >> 40 & 0xFF00u) | (x) >> 56)
 #define LOWEST_BIT(x) lowest_bit((unsigned)(x))
+#define COUNT_BITS(x) count_bits((unsigned)(x))
 static inline int lowest_bit(unsigned x)        /* x != 0 */
 {
     int k = 0;
     while (!(x >> k & 1))
         k++;
     return k;
+}
+static inline int count_bits(unsigned x)
+{
+    int n = 0;
+    for (; x; x &= x - 1)
+        n++;
+    return n;
 }
 #endif
 

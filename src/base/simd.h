@@ -7,6 +7,7 @@
 #include "base/platform.h"
 
 #include <math.h>
+#include <string.h>
 
 #if defined(__GNUC__) && defined(__SSE__) && !defined(RUSHLIGHT_PLAIN)
 
@@ -23,6 +24,10 @@ INLINE float f4_lane(F4 a, int k) { return a[k]; }
 
 /* Four floats at an address that is a multiple of 16. */
 INLINE F4 f4_load(const float *p) { return *(const F4 *)p; }
+/* The same at any address. */
+typedef float F4Any __attribute__((vector_size(16), aligned(4)));
+INLINE F4 f4_load_any(const float *p) { return *(const F4Any *)p; }
+INLINE void f4_store_any(float *p, F4 a) { *(F4Any *)p = a; }
 
 typedef int F4Bits __attribute__((vector_size(16)));
 INLINE F4 f4_abs(F4 a) { return (F4)((F4Bits)a & 0x7FFFFFFF); }
@@ -35,6 +40,20 @@ INLINE F4 f4_if_negative(F4 s, F4 a, F4 b)
 
 /* Bit k: the sign of a[k], that of -0 too. */
 INLINE int f4_signs(F4 a) { return __builtin_ia32_movmskps(a); }
+/* Bit k: a[k] < b[k]; a[k] <= b[k]. */
+INLINE int f4_less(F4 a, F4 b) { return __builtin_ia32_movmskps((F4)(a < b)); }
+INLINE int f4_at_most(F4 a, F4 b) { return __builtin_ia32_movmskps((F4)(a <= b)); }
+
+/* Four points of three coordinates become three rows of four. */
+INLINE void f4_transpose(F4 a, F4 b, F4 c, F4 d, F4 row[3])
+{
+    F4 xy = __builtin_shufflevector(a, b, 0, 4, 1, 5), zw = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    F4 uv = __builtin_shufflevector(c, d, 0, 4, 1, 5), st = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+
+    row[0] = __builtin_shufflevector(xy, uv, 0, 1, 4, 5);
+    row[1] = __builtin_shufflevector(xy, uv, 2, 3, 6, 7);
+    row[2] = __builtin_shufflevector(zw, st, 0, 1, 4, 5);
+}
 
 /* What f4_turn does: exchange the two halves, or leave them. */
 typedef int F4Turn __attribute__((vector_size(16)));
@@ -95,7 +114,28 @@ INLINE int f4_signs(F4 a)
         bits |= (signbit(a.v[k]) != 0) << k;
     return bits;
 }
+INLINE int f4_less(F4 a, F4 b)
+{
+    int bits = 0;
+    for (int k = 0; k < 4; k++)
+        bits |= (a.v[k] < b.v[k]) << k;
+    return bits;
+}
+INLINE int f4_at_most(F4 a, F4 b)
+{
+    int bits = 0;
+    for (int k = 0; k < 4; k++)
+        bits |= (a.v[k] <= b.v[k]) << k;
+    return bits;
+}
 INLINE F4 f4_load(const float *p) { return f4(p[0], p[1], p[2], p[3]); }
+INLINE F4 f4_load_any(const float *p) { return f4_load(p); }
+INLINE void f4_store_any(float *p, F4 a) { for (int k = 0; k < 4; k++) p[k] = a.v[k]; }
+INLINE void f4_transpose(F4 a, F4 b, F4 c, F4 d, F4 row[3])
+{
+    for (int k = 0; k < 3; k++)
+        row[k] = f4(a.v[k], b.v[k], c.v[k], d.v[k]);
+}
 
 typedef int F4Turn;
 INLINE F4Turn f4_turn_if(int turn) { return turn; }
@@ -186,6 +226,90 @@ INLINE int f8_at_most(F8 a, F8 b)
     for (int k = 0; k < 8; k++)
         bits |= (a.v[k] <= b.v[k]) << k;
     return bits;
+}
+
+#endif
+
+/* ---- eight whole numbers, and eight keys ---- */
+
+/* A key is a float that is not negative, above a whole number of 32 bits: its bits are in the order
+ * of the floats. */
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__GNUC__) && !defined(RUSHLIGHT_PLAIN)
+
+typedef __m256i I8;
+typedef __m512i Keys8;
+
+INLINE I8 i8_all(uint32_t a) { return _mm256_set1_epi32((int)a); }
+INLINE I8 i8_load(const uint32_t *p) { return _mm256_loadu_si256((const void *)p); }
+INLINE I8 i8_load_u8(const unsigned char *p)
+{
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)p));
+}
+INLINE void i8_store(uint32_t *p, I8 a) { _mm256_storeu_si256((void *)p, a); }
+INLINE I8 i8_add(I8 a, I8 b) { return _mm256_add_epi32(a, b); }
+INLINE I8 i8_sub(I8 a, I8 b) { return _mm256_sub_epi32(a, b); }
+INLINE I8 i8_left(I8 a, int n) { return _mm256_slli_epi32(a, n); }
+/* a < 0 ? b : c, a with a sign */
+INLINE I8 i8_if_top(I8 a, I8 b, I8 c) { return _mm256_mask_mov_epi32(c, _mm256_movepi32_mask(a), b); }
+
+INLINE Keys8 keys8(F8 high, I8 low)
+{
+    __m512i a = _mm512_slli_epi64(_mm512_cvtepu32_epi64(_mm256_castps_si256(high)), 32);
+    return _mm512_or_si512(a, _mm512_cvtepu32_epi64(low));
+}
+/* The least of those in bits, which are not 0. */
+INLINE uint64_t keys8_least(Keys8 a, int bits)
+{
+    return _mm512_mask_reduce_min_epu64((__mmask8)bits, a);
+}
+/* Stores those in bits, except the one key, in their order. Eight places at p may be written. */
+INLINE void keys8_store_others(uint64_t *p, Keys8 a, int bits, uint64_t key)
+{
+    __mmask8 m = _mm512_mask_cmpneq_epu64_mask((__mmask8)bits, a, _mm512_set1_epi64((long long)key));
+    _mm512_storeu_si512(p, _mm512_maskz_compress_epi64(m, a));
+}
+
+#else
+
+typedef struct { uint32_t v[8]; } I8;
+typedef struct { uint64_t v[8]; } Keys8;
+
+#define I8_EACH(r, of) do { for (int k = 0; k < 8; k++) (r).v[k] = (of); } while (0)
+
+INLINE I8 i8_all(uint32_t a) { I8 r; I8_EACH(r, a); return r; }
+INLINE I8 i8_load(const uint32_t *p) { I8 r; I8_EACH(r, p[k]); return r; }
+INLINE I8 i8_load_u8(const unsigned char *p) { I8 r; I8_EACH(r, p[k]); return r; }
+INLINE void i8_store(uint32_t *p, I8 a) { for (int k = 0; k < 8; k++) p[k] = a.v[k]; }
+INLINE I8 i8_add(I8 a, I8 b) { I8_EACH(a, a.v[k] + b.v[k]); return a; }
+INLINE I8 i8_sub(I8 a, I8 b) { I8_EACH(a, a.v[k] - b.v[k]); return a; }
+INLINE I8 i8_left(I8 a, int n) { I8_EACH(a, a.v[k] << n); return a; }
+INLINE I8 i8_if_top(I8 a, I8 b, I8 c) { I8_EACH(a, a.v[k] >> 31 ? b.v[k] : c.v[k]); return a; }
+
+INLINE Keys8 keys8(F8 high, I8 low)
+{
+    float lane[8];
+    Keys8 r;
+
+    f8_store(lane, high);
+    for (int k = 0; k < 8; k++) {
+        uint32_t bits;
+        memcpy(&bits, &lane[k], 4);
+        r.v[k] = (uint64_t)bits << 32 | low.v[k];
+    }
+    return r;
+}
+INLINE uint64_t keys8_least(Keys8 a, int bits)
+{
+    uint64_t least = UINT64_MAX;
+    for (; bits; bits &= bits - 1)
+        least = a.v[LOWEST_BIT(bits)] < least ? a.v[LOWEST_BIT(bits)] : least;
+    return least;
+}
+INLINE void keys8_store_others(uint64_t *p, Keys8 a, int bits, uint64_t key)
+{
+    for (; bits; bits &= bits - 1)
+        if (a.v[LOWEST_BIT(bits)] != key)
+            *p++ = a.v[LOWEST_BIT(bits)];
 }
 
 #endif

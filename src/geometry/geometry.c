@@ -187,19 +187,79 @@ static bool remember_places(Shape *s, const uint32_t *order)
     return true;
 }
 
+/* Vertices of a mesh by first use: where each goes, counted from the mesh's first; *n: how many there
+ * are up to the last that is used. NULL: memory ran out. */
+static uint32_t *vertex_places(const Geometry *g, const Shape *s, const uint32_t *order,
+                               uint32_t *n)
+{
+    uint32_t *place, next = 0;
+
+    *n = 0;
+    for (uint32_t i = s->first; i < s->first + s->count; i++)
+        for (int c = 0; c < 3; c++)
+            if (g->tri[i].v[c] - s->first_vertex >= *n)
+                *n = g->tri[i].v[c] - s->first_vertex + 1;
+    place = MEM_ARRAY(uint32_t, *n);
+    if (!place)
+        return NULL;
+    memset(place, 0xFF, *n * sizeof *place);
+    for (uint32_t k = 0; k < s->count; k++)
+        for (int c = 0; c < 3; c++) {
+            uint32_t v = g->tri[s->first + order[k]].v[c] - s->first_vertex;
+            if (place[v] == UINT32_MAX)
+                place[v] = next++;
+        }
+    for (uint32_t v = 0; v < *n; v++)
+        if (place[v] == UINT32_MAX)
+            place[v] = next++;
+    return place;
+}
+
+/* In place, cycle by cycle; place becomes that of the identity. */
+static void move_vertices(Geometry *g, Shape *s, uint32_t *place, uint32_t n)
+{
+    V3 *p = g->p + s->first_vertex;
+
+    for (uint32_t v = 0; v < n; v++)
+        while (place[v] != v) {
+            uint32_t to = place[v];
+            V3 swap = p[to];
+            p[to] = p[v];
+            p[v] = swap;
+            if (s->n) {
+                swap = s->n[to];
+                s->n[to] = s->n[v];
+                s->n[v] = swap;
+            }
+            if (s->uv) {
+                V2 other = s->uv[to];
+                s->uv[to] = s->uv[v];
+                s->uv[v] = other;
+            }
+            place[v] = place[to];
+            place[to] = to;
+        }
+}
+
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
 {
     Shape *s = &g->shapes[shape];
     Tri *old = MEM_ARRAY(Tri, s->count);
+    uint32_t n, *place = vertex_places(g, s, order, &n);
 
-    if (!old || (s->light != NO_LIGHT && !remember_places(s, order))) {
+    if (!old || !place || (s->light != NO_LIGHT && !remember_places(s, order))) {
         mem_free(old);
+        mem_free(place);
         return false;
     }
     memcpy(old, g->tri + s->first, s->count * sizeof *old);
     for (uint32_t k = 0; k < s->count; k++)
-        g->tri[s->first + k] = old[order[k]];
+        for (int c = 0; c < 3; c++)
+            g->tri[s->first + k].v[c] = place[old[order[k]].v[c] - s->first_vertex] +
+                                        s->first_vertex;
     mem_free(old);
+    move_vertices(g, s, place, n);
+    mem_free(place);
     return true;
 }
 

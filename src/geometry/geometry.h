@@ -80,8 +80,9 @@ bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_worl
 /* Ends adding: makes the tables that geometry_shape and accelerators need. */
 bool geometry_finish(Geometry *g);
 
-/* Puts the triangles of a mesh into another order: the new k-th is the order[k]-th. Lamps remember
- * the old one, so that pictures stay the same. False: memory ran out, nothing changed. */
+/* Puts the triangles of a mesh into another order: the new k-th is the order[k]-th. Its vertices
+ * follow, by first use: what is near is near in memory. Lamps remember the old order, so that
+ * pictures stay the same. False: memory ran out, nothing changed. */
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
 
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }

@@ -1,0 +1,221 @@
+/* wide.h -- the inside of the accelerator `wide`: what its build, its queries of one ray and those
+ * of many share. wide.c says what it is. */
+#ifndef ACCEL_WIDE_H
+#define ACCEL_WIDE_H
+
+#include "accel/accel.h"
+#include "accel/prim.h"
+#include "accel/refs.h"
+#include "base/simd.h"
+
+#include <string.h>
+
+enum { WIDTH = 8, LEAF = 8 };
+
+/* What is below: a node, a leaf of 1 to 8 triangles, or one odd primitive. The two upper bits tell;
+ * of a leaf the next three are the count less 1, the others its block, or where it begins in leaf
+ * order. */
+typedef uint32_t Below;
+#define BELOW_LEAF ((Below)2 << 30)
+#define BELOW_ODD  ((Below)3 << 30)
+#define LEAF_SHIFT 27                                   /* place and number: below 2^27 */
+
+INLINE bool  is_node(Below b) { return b >> 31 == 0; }
+INLINE bool  is_odd(Below b) { return b >> 30 == 3; }
+INLINE int   leaf_count(Below b) { return (int)(b >> LEAF_SHIFT & 7) + 1; }
+INLINE Below leaf_place(Below b) { return b & (((Below)1 << LEAF_SHIFT) - 1); }
+
+/* Form fast: planes as they are. */
+typedef struct {
+    float    plane[2][3][WIDTH];        /* [lower, upper][axis][child] */
+    Below    child[WIDTH];
+    uint32_t present;                   /* bit k: child k exists */
+    uint32_t unused[7];
+} FastNode;
+typedef char fast_node_fills_four_lines[sizeof(FastNode) == 256 ? 1 : -1];
+
+/* Form lean: plane q of an axis is lo + q step, in float. Leaves come before other children. Their
+ * primitives follow each other in leaf order, and so do the nodes of the others. */
+typedef struct {
+    float    lo[3], step[3];
+    unsigned char plane[2][3][WIDTH];
+    uint32_t nodes, prims;              /* the first of each */
+    unsigned char end[WIDTH + 1];       /* leaf k: end[k] to end[k + 1], counted from prims */
+    unsigned char present, leaves;      /* bit k: child k exists; how many are leaves */
+} LeanNode;
+typedef char lean_node_is_small[sizeof(LeanNode) == 92 ? 1 : -1];
+
+typedef struct {
+    Accel base;
+    bool  lean;
+    void *memory;                       /* owned; holds nodes and blocks, */
+    FastNode *fast;                     /* which begin at multiples of 64 in it; one of these two */
+    LeanNode *small;                    /* is NULL */
+    TriangleBlock *blocks;              /* of form fast: a leaf's copies of its triangles */
+    uint32_t *order;                    /* owned; of form lean: primitives in leaf order; NULL: as
+                                         * they are */
+    size_t nnodes, nblocks;
+    Below root;
+} Wide;
+
+/* Makes the tree. `order`: where the list of form lean is to go, if the caller wants it; else the
+ * tree keeps it. False: reported. */
+bool wide_build(Wide *w, const Geometry *g, int threads);
+
+/* A plane of a lean node. In lanes, see node_enter. */
+INLINE float lean_plane(const LeanNode *n, int axis, unsigned char q)
+{
+    return n->lo[axis] + (float)q * n->step[axis];
+}
+
+/* ---- steps of a query ---- */
+
+/* Where in a node the planes stand that a ray meets first and last, by the signs of its direction
+ * (bit k: axis k downwards). */
+typedef struct { int near[3], far[3]; } PlaneOrder;
+extern const PlaneOrder wide_plane_orders[8];
+extern const uint32_t wide_lanes[WIDTH];                /* 0, 1, 2, ... */
+
+typedef struct {
+    F8 o[3], inv[3];
+    const PlaneOrder *order;
+} NodeProbe;
+
+INLINE void node_probe_init(NodeProbe *q, const Probe *p)
+{
+    V3 o = p->ray->o, d = p->ray->d, inv = p->inv;
+
+    q->o[0] = f8_all(o.x);
+    q->o[1] = f8_all(o.y);
+    q->o[2] = f8_all(o.z);
+    q->inv[0] = f8_all(inv.x);
+    q->inv[1] = f8_all(inv.y);
+    q->inv[2] = f8_all(inv.z);
+    q->order = &wide_plane_orders[f4_signs(f4(d.x, d.y, d.z, 0.0f))];
+}
+
+/* The planes of all children at `place` of an axis. */
+INLINE F8 node_planes(const Wide *w, bool lean, Below at, int axis, int place)
+{
+    const LeanNode *n;
+
+    if (!lean)
+        return f8_load(w->fast[at].plane[0][0] + place);
+    n = &w->small[at];
+    return f8_add(f8_all(n->lo[axis]),
+                  f8_mul(f8_load_u8(n->plane[0][0] + place), f8_all(n->step[axis])));
+}
+
+/* Bit k: the ray enters the box of child k before it leaves it and not beyond tmax; lane k of *near
+ * says where. The arithmetic of each lane is that of slabs() in geometry/ray.h. */
+INLINE int node_enter(const Wide *w, bool lean, Below at, const NodeProbe *q, float tmax, F8 *near)
+{
+    F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
+    uint32_t present = lean ? w->small[at].present : w->fast[at].present;
+
+    for (int k = 0; k < 3; k++) {
+        F8 a = node_planes(w, lean, at, k, q->order->near[k]);
+        F8 b = node_planes(w, lean, at, k, q->order->far[k]);
+        enter = f8_max(f8_mul(f8_sub(a, q->o[k]), q->inv[k]), enter);
+        leave = f8_min(f8_mul(f8_sub(b, q->o[k]), q->inv[k]), leave);
+    }
+    *near = enter;
+    return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
+           f8_at_most(enter, f8_all(tmax)) & (int)present;
+}
+
+/* What the children are. */
+INLINE I8 node_children(const Wide *w, bool lean, Below at)
+{
+    const LeanNode *n = &w->small[at];
+    I8 rank, begin, count, leaf;
+
+    if (!lean)
+        return i8_load(w->fast[at].child);
+    rank = i8_sub(i8_load(wide_lanes), i8_all(n->leaves));      /* less than 0: a leaf */
+    begin = i8_load_u8(n->end);
+    count = i8_sub(i8_load_u8(n->end + 1), begin);
+    leaf = i8_add(i8_left(count, LEAF_SHIFT), i8_all(BELOW_LEAF - ((Below)1 << LEAF_SHIFT)));
+    leaf = i8_add(leaf, i8_add(begin, i8_all(n->prims)));
+    return i8_if_top(rank, leaf, i8_add(rank, i8_all(n->nodes)));
+}
+
+/* A leaf of form lean, four triangles at a time: their corners are fetched from the mesh. */
+INLINE void lean_leaf_meets(const Wide *w, Below at, const Ray *r, const Probe *p, Hit *best,
+                            bool any, Steps *steps)
+{
+    const Geometry *g = w->base.geo;
+    Below place = leaf_place(at), end = place + (Below)leaf_count(at);
+
+    for (; place < end; place += 4) {
+        uint32_t prim[4];
+        FourView v;
+        int bits;
+        for (Below k = 0; k < 4; k++) {
+            Below i = place + k < end ? place + k : end - 1;
+            prim[k] = w->order ? w->order[i] : i;
+        }
+        if (UNLIKELY(!geometry_is_tri(g, prim[0]))) {
+            prim_meets(g, prim[0], r, p, best, any, steps);
+            return;
+        }
+        bits = triangle_four_test(g, prim, (int)(end - place), p, &v);
+        for (; bits; bits &= bits - 1)
+            triangle_four_accept(g, prim, LOWEST_BIT(bits), p, &v, best);
+    }
+}
+
+/* What is in a leaf against the ray: *best as for prim_meets. */
+INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const Probe *p, Hit *best,
+                       bool any, Steps *steps)
+{
+    if (lean)
+        lean_leaf_meets(w, at, r, p, best, any, steps);
+    else if (UNLIKELY(is_odd(at)))
+        prim_meets(w->base.geo, at & ~BELOW_ODD, r, p, best, any, steps);
+    else {
+        const TriangleBlock *b = &w->blocks[leaf_place(at)];
+        BlockView v;
+        int bits = triangle_block_test(b, leaf_count(at), p, &v);
+        for (; bits; bits &= bits - 1)
+            triangle_block_accept(b, LOWEST_BIT(bits), p, &v, best);
+    }
+}
+
+/* How many primitives are looked at there. */
+INLINE uint64_t leaf_prims(Below at) { return is_odd(at) ? 1 : (uint64_t)leaf_count(at); }
+
+/* Each level leaves at most seven children waiting; and see nearest_child. */
+enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
+
+/* What waits: the bits of the distance, then the reference. Distances are not negative, so their
+ * bits are in their order, and comparing takes no branch: it would be taken at random. */
+typedef uint64_t Waiting;
+
+INLINE float waiting_near(Waiting w)
+{
+    uint32_t bits = (uint32_t)(w >> 32);
+    float near;
+    memcpy(&near, &bits, 4);
+    return near;
+}
+
+/* Of the children in `bits`, one at least, the nearest is returned, the others are put on the stack,
+ * where eight places may be written. */
+INLINE Waiting nearest_child(const Wide *w, bool lean, Below at, int bits, F8 near, Waiting **top)
+{
+    Keys8 keys = keys8(near, node_children(w, lean, at));
+    Waiting next = keys8_least(keys, bits);
+
+    keys8_store_others(*top, keys, bits, next);
+    *top += COUNT_BITS(bits) - 1;
+    return next;
+}
+
+/* ---- many rays ---- */
+
+/* The batched queries of accel.h, see widemany.c. */
+void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
+void wide_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
+
+#endif
