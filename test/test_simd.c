@@ -108,6 +108,8 @@ static void other_operations(void)
             ok = ok && same(f4_lane(size, k), fabsf(a[k])) &&
                  same(f4_lane(chosen, k), a[k] < 0.0f ? b[k] : c[k]);
         }
+        ok = ok && f4_less(x, f4_load_any(b)) == (less & 15) &&
+             f4_at_most(x, f4_load_any(b)) == (at_most & 15);
         ok = ok && f4_signs(x) == signs && f8_less(f8_load(a), f8_load(b)) == less &&
              f8_at_most(f8_load(a), f8_load(b)) == at_most &&
              same(f4_max_three(x), most(a[0], most(a[1], a[2]))) &&
@@ -141,9 +143,83 @@ static void whole(void)
     }
 }
 
+/* Rows of points; whole numbers in lanes. */
+static void rows(void)
+{
+    Rng r = rng_seed(5);
+
+    for (int i = 0; i < 1000; i++) {
+        float p[4][4], out[3][4];
+        uint32_t a[8], b[8], c[8], sum[8], less[8], left[8], chosen[8];
+        unsigned char small[8];
+        F4 row[3];
+        I8 x, y;
+        bool ok = true;
+
+        for (int k = 0; k < 4; k++)
+            fill(&r, p[k], 4);
+        for (int k = 0; k < 8; k++) {
+            a[k] = rng_bits(&r);
+            b[k] = rng_bits(&r);
+            small[k] = (unsigned char)rng_bits(&r);
+        }
+        f4_transpose(f4_load_any(p[0]), f4_load_any(p[1]), f4_load_any(p[2]), f4_load_any(p[3]),
+                     row);
+        for (int k = 0; k < 3; k++) {
+            f4_store_any(out[k], row[k]);
+            for (int l = 0; l < 4; l++)
+                ok = ok && same(out[k][l], p[l][k]);
+        }
+        x = i8_load(a);
+        y = i8_load(b);
+        i8_store(sum, i8_add(x, y));
+        i8_store(less, i8_sub(x, y));
+        i8_store(left, i8_left(x, 27));
+        i8_store(chosen, i8_if_top(x, y, i8_all(7)));
+        i8_store(c, i8_load_u8(small));
+        for (int k = 0; k < 8; k++)
+            ok = ok && sum[k] == a[k] + b[k] && less[k] == a[k] - b[k] && left[k] == a[k] << 27 &&
+                 chosen[k] == (a[k] >> 31 ? b[k] : 7) && c[k] == small[k];
+        EXPECT(ok, "numbers %d", i);
+    }
+}
+
+/* Keys: the least of any choice of eight, and the others in their order. */
+static void keys(void)
+{
+    Rng r = rng_seed(6);
+
+    for (int i = 0; i < 5000; i++) {
+        float near[8];
+        uint32_t low[8];
+        uint64_t key[8], out[16], least = UINT64_MAX;
+        int chosen = i < 256 ? i : (int)(rng_bits(&r) & 255), n = 0, others;
+        Keys8 all;
+        bool ok = true;
+
+        for (int k = 0; k < 8; k++) {
+            uint32_t word;
+            near[k] = rng_below(&r, 4) ? rng_unit(&r) * 9 : rng_below(&r, 2) ? INFINITY : 0.0f;
+            low[k] = rng_bits(&r);
+            memcpy(&word, &near[k], 4);
+            key[k] = (uint64_t)word << 32 | low[k];
+            least = chosen >> k & 1 && key[k] < least ? key[k] : least;
+        }
+        all = keys8(f8_load(near), i8_load(low));
+        ok = keys8_least(all, chosen) == least;
+        others = keys8_others(all, chosen, least);
+        keys8_store(out, all, others);
+        for (int k = 0; k < 8; k++)
+            if (chosen >> k & 1 && key[k] != least)
+                ok = ok && others >> k & 1 && out[n++] == key[k];
+        EXPECT(ok && COUNT_BITS(others) == n, "numbers %d", i);
+    }
+}
+
 static void bits(void)
 {
     for (int k = 0; k < 32; k++) {
+        EXPECT(COUNT_BITS(1u << k) == 1 && COUNT_BITS(0xFFFFFFFFu << k) == 32 - k, "%d", k);
         EXPECT(LOWEST_BIT(1u << k) == k, "bit %d alone", k);
         EXPECT(LOWEST_BIT(0xFFFFFFFFu << k) == k, "bit %d and all above", k);
     }
@@ -170,6 +246,7 @@ static void carryless(void)
 const TestCase test_simd[] = {
     { "two_operands", two_operands, false },
     { "other_operations", other_operations, false },
-    { "whole", whole, false }, { "bits", bits, false }, { "carryless", carryless, false },
+    { "whole", whole, false }, { "rows", rows, false }, { "keys", keys, false },
+    { "bits", bits, false }, { "carryless", carryless, false },
     { NULL, NULL, false }
 };

@@ -27,8 +27,6 @@ const PlaneOrder wide_plane_orders[8] = {
     PLANE_ORDER(0, 0, 1), PLANE_ORDER(1, 0, 1), PLANE_ORDER(0, 1, 1), PLANE_ORDER(1, 1, 1)
 };
 
-const uint32_t wide_lanes[WIDTH] = { 0, 1, 2, 3, 4, 5, 6, 7 };
-
 /* ---- building ---- */
 
 static void drop(Accel *a)
@@ -76,6 +74,27 @@ static Accel *arrange(Geometry *g, const Opts *o, int threads)
 
 /* ---- queries of one ray ---- */
 
+/* Of the children in `bits`, one at least, the nearest is returned, the others are put on the
+ * stack. Where any hit will do the order is of no concern. */
+INLINE Below next_child(const Wide *w, bool lean, Below at, int bits, F8 near, bool any,
+                        Waiting **top)
+{
+    Waiting next;
+    float lane[WIDTH];
+    int k = LOWEST_BIT(bits);
+
+    f8_store(lane, near);
+    next = waiting(lane[k], node_child(w, lean, at, k));
+    while ((bits &= bits - 1) != 0) {
+        Waiting other;
+        k = LOWEST_BIT(bits);
+        other = waiting(lane[k], node_child(w, lean, at, k));
+        *(*top)++ = other > next || any ? other : next;
+        next = other > next || any ? next : other;
+    }
+    return (Below)next;
+}
+
 /* `steps` is NULL in all calls but one, and then the counting costs nothing. */
 INLINE bool query(const Wide *w, bool lean, const Ray *r, Hit *h, bool any, Steps *steps)
 {
@@ -94,7 +113,7 @@ INLINE bool query(const Wide *w, bool lean, const Ray *r, Hit *h, bool any, Step
             if (steps)
                 steps->nodes++;
             if (bits) {
-                at = (Below)nearest_child(w, lean, at, bits, near, &top);
+                at = next_child(w, lean, at, bits, near, any, &top);
                 continue;
             }
         } else {
@@ -207,7 +226,7 @@ static Box child_box(const Wide *w, Below at, int k)
 static bool check_below(Check *c, Below at, Box box)
 {
     const Wide *w = c->wide;
-    uint32_t child[WIDTH], present;
+    uint32_t present;
 
     if (!w->lean && is_odd(at))
         return check_prim(c, at & ~BELOW_ODD, box);
@@ -215,10 +234,9 @@ static bool check_below(Check *c, Below at, Box box)
         return check_leaf(c, at, box);
     if (at >= w->nnodes || c->nodes++ > w->nnodes)
         return accel_bad(c->why, c->room, "a node out of range, or reached twice,", at);
-    i8_store(child, node_children(w, w->lean, at));
     present = w->lean ? w->small[at].present : w->fast[at].present;
     for (int k = 0; k < WIDTH; k++)
-        if (present >> k & 1 && !check_below(c, child[k], child_box(w, at, k)))
+        if (present >> k & 1 && !check_below(c, node_child(w, w->lean, at, k), child_box(w, at, k)))
             return false;
     return true;
 }

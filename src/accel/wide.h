@@ -74,7 +74,6 @@ INLINE float lean_plane(const LeanNode *n, int axis, unsigned char q)
  * (bit k: axis k downwards). */
 typedef struct { int near[3], far[3]; } PlaneOrder;
 extern const PlaneOrder wide_plane_orders[8];
-extern const uint32_t wide_lanes[WIDTH];                /* 0, 1, 2, ... */
 
 typedef struct {
     F8 o[3], inv[3];
@@ -124,20 +123,17 @@ INLINE int node_enter(const Wide *w, bool lean, Below at, const NodeProbe *q, fl
            f8_at_most(enter, f8_all(tmax)) & (int)present;
 }
 
-/* What the children are. */
-INLINE I8 node_children(const Wide *w, bool lean, Below at)
+/* What child k is. */
+INLINE Below node_child(const Wide *w, bool lean, Below at, int k)
 {
     const LeanNode *n = &w->small[at];
-    I8 rank, begin, count, leaf;
 
     if (!lean)
-        return i8_load(w->fast[at].child);
-    rank = i8_sub(i8_load(wide_lanes), i8_all(n->leaves));      /* less than 0: a leaf */
-    begin = i8_load_u8(n->end);
-    count = i8_sub(i8_load_u8(n->end + 1), begin);
-    leaf = i8_add(i8_left(count, LEAF_SHIFT), i8_all(BELOW_LEAF - ((Below)1 << LEAF_SHIFT)));
-    leaf = i8_add(leaf, i8_add(begin, i8_all(n->prims)));
-    return i8_if_top(rank, leaf, i8_add(rank, i8_all(n->nodes)));
+        return w->fast[at].child[k];
+    if (k >= n->leaves)
+        return n->nodes + (Below)(k - n->leaves);
+    return BELOW_LEAF + (((Below)n->end[k + 1] - n->end[k] - 1) << LEAF_SHIFT) + n->prims +
+           n->end[k];
 }
 
 /* A leaf of form lean, four triangles at a time: their corners are fetched from the mesh. */
@@ -185,31 +181,25 @@ INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const P
 /* How many primitives are looked at there. */
 INLINE uint64_t leaf_prims(Below at) { return is_odd(at) ? 1 : (uint64_t)leaf_count(at); }
 
-/* Each level leaves at most seven children waiting; and see nearest_child. */
+/* Each level leaves at most seven children waiting; eight places more may be written. */
 enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
 
 /* What waits: the bits of the distance, then the reference. Distances are not negative, so their
  * bits are in their order, and comparing takes no branch: it would be taken at random. */
 typedef uint64_t Waiting;
 
+INLINE Waiting waiting(float near, Below below)
+{
+    uint32_t bits;
+    memcpy(&bits, &near, 4);
+    return (Waiting)bits << 32 | below;
+}
 INLINE float waiting_near(Waiting w)
 {
     uint32_t bits = (uint32_t)(w >> 32);
     float near;
     memcpy(&near, &bits, 4);
     return near;
-}
-
-/* Of the children in `bits`, one at least, the nearest is returned, the others are put on the stack,
- * where eight places may be written. */
-INLINE Waiting nearest_child(const Wide *w, bool lean, Below at, int bits, F8 near, Waiting **top)
-{
-    Keys8 keys = keys8(near, node_children(w, lean, at));
-    Waiting next = keys8_least(keys, bits);
-
-    keys8_store_others(*top, keys, bits, next);
-    *top += COUNT_BITS(bits) - 1;
-    return next;
 }
 
 /* ---- many rays ---- */

@@ -6,7 +6,7 @@
  *         own steps are the same. */
 #include "accel/wide.h"
 
-enum { FLIGHT = 8 };
+enum { FLIGHT = 16 };
 
 /* A ray on its way. */
 typedef struct {
@@ -16,8 +16,31 @@ typedef struct {
     size_t  number;                     /* in the batch */
     Below   at;
     Waiting *top;                       /* of those that wait */
-    Waiting stack[WIDE_STACK];
+    Waiting stack[WIDE_STACK];          /* the first says that there are no more */
 } Walk;
+
+#define DONE UINT32_MAX                 /* no odd primitive has that number */
+
+/* Rays that are at nodes, and rays that are at leaves. */
+typedef struct { Walk *x[FLIGHT]; size_t n; } Queue;
+
+static const uint32_t lanes[WIDTH] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+
+/* What the children are: node_child in lanes. */
+INLINE I8 node_children(const Wide *w, bool lean, Below at)
+{
+    const LeanNode *n = &w->small[at];
+    I8 rank, begin, count, leaf;
+
+    if (!lean)
+        return i8_load(w->fast[at].child);
+    rank = i8_sub(i8_load(lanes), i8_all(n->leaves));      /* less than 0: a leaf */
+    begin = i8_load_u8(n->end);
+    count = i8_sub(i8_load_u8(n->end + 1), begin);
+    leaf = i8_add(i8_left(count, LEAF_SHIFT), i8_all(BELOW_LEAF - ((Below)1 << LEAF_SHIFT)));
+    leaf = i8_add(leaf, i8_add(begin, i8_all(n->prims)));
+    return i8_if_top(rank, leaf, i8_add(rank, i8_all(n->nodes)));
+}
 
 INLINE void walk_begin(Walk *x, const Wide *w, const Ray *r, size_t number)
 {
@@ -26,83 +49,106 @@ INLINE void walk_begin(Walk *x, const Wide *w, const Ray *r, size_t number)
     node_probe_init(&x->q, &x->p);
     x->number = number;
     x->at = w->root;
-    x->top = x->stack;
+    x->stack[0] = DONE;
+    x->top = x->stack + 1;
 }
 
-/* What the next step reads. */
+/* Where things are that the next step reads, picked without a branch. */
 INLINE void fetch(const Wide *w, bool lean, Below at)
 {
-    if (is_node(at)) {
-        const char *node = lean ? (const char *)&w->small[at] : (const char *)&w->fast[at];
-        PREFETCH(node);
-        PREFETCH(node + 64);
-        if (!lean) {
-            PREFETCH(node + 128);
-            PREFETCH(node + 192);
-        }
-    } else if (!lean) {
-        const char *block = (const char *)&w->blocks[leaf_place(at)];
-        for (int k = 0; k < 5; k++)
-            PREFETCH(block + 64 * k);
-    } else if (w->order)
-        PREFETCH(&w->order[leaf_place(at)]);
-    else
-        PREFETCH(&w->base.geo->tri[leaf_place(at)]);
+    uintptr_t node = lean ? (uintptr_t)&w->small[at] : (uintptr_t)&w->fast[at];
+    uintptr_t leaf = !lean ? (uintptr_t)&w->blocks[leaf_place(at)]
+                     : w->order ? (uintptr_t)&w->order[leaf_place(at)]
+                                : (uintptr_t)&w->base.geo->tri[leaf_place(at)];
+    uintptr_t is_leaf = (uintptr_t)0 - (at >> 31);
+    const char *next = (const char *)((leaf & is_leaf) | (node & ~is_leaf));
+
+    for (int k = 0; k < (lean ? 2 : 4); k++)
+        PREFETCH(next + 64 * k);
 }
 
-/* One node or leaf. False: the walk is over. */
-INLINE bool walk_step(Walk *x, const Wide *w, bool lean, bool any)
+/* Takes from the stack until something is not beyond the hit, and goes there. */
+INLINE void walk_on(Walk *x, const Wide *w, bool lean, Waiting next)
 {
-    Waiting next;
-
-    if (is_node(x->at)) {
-        F8 near;
-        int bits = node_enter(w, lean, x->at, &x->q, x->h.t, &near);
-        if (bits) {
-            x->at = (Below)nearest_child(w, lean, x->at, bits, near, &x->top);
-            fetch(w, lean, x->at);
-            return true;
-        }
-    } else {
-        leaf_meets(w, lean, x->at, x->p.ray, &x->p, &x->h, any, NULL);
-        if (any && x->h.outer != NO_PRIM)
-            return false;
-    }
-    do {
-        if (x->top == x->stack)
-            return false;
+    while (UNLIKELY(waiting_near(next) > x->h.t))
         next = *--x->top;
-    } while (waiting_near(next) > x->h.t);
     x->at = (Below)next;
     fetch(w, lean, x->at);
-    return true;
+}
+
+/* Without a branch on what is met, which would be taken at random. Where any hit will do the last
+ * child is next, else the nearest; where none is met, what waits on top. */
+INLINE void step_node(Walk *x, const Wide *w, bool lean, bool any)
+{
+    F8 near;
+    int bits = node_enter(w, lean, x->at, &x->q, x->h.t, &near);
+    Keys8 keys = keys8(near, node_children(w, lean, x->at));
+    Waiting least, met = (Waiting)0 - (bits != 0);
+
+    if (any) {
+        keys8_store(x->top, keys, bits);
+        x->top += COUNT_BITS(bits) - 1;
+        walk_on(x, w, lean, *x->top);
+        return;
+    }
+    least = keys8_least(keys, bits);
+    keys8_store(x->top, keys, keys8_others(keys, bits, least));
+    x->top += COUNT_BITS(bits) - 1;
+    walk_on(x, w, lean, (least & met) | (*x->top & ~met));
 }
 
 /* h is NULL where any hit will do. */
 INLINE void many(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
 {
-    Walk walk[FLIGHT], *flying[FLIGHT];
-    size_t active = n < FLIGHT ? n : FLIGHT, next = active;
+    Walk walk[FLIGHT];
+    Queue nodes, leaves;
+    size_t next = n < FLIGHT ? n : FLIGHT;
 
-    for (size_t k = 0; k < active; k++) {
-        flying[k] = &walk[k];
-        walk_begin(flying[k], w, r, k);
+    nodes.n = leaves.n = 0;
+    for (size_t k = 0; k < next; k++) {
+        walk_begin(&walk[k], w, r, k);
+        nodes.x[nodes.n] = leaves.x[leaves.n] = &walk[k];
+        nodes.n += is_node(w->root);
+        leaves.n += !is_node(w->root);
     }
-    while (active)
-        for (size_t k = 0; k < active;) {
-            Walk *x = flying[k];
-            if (walk_step(x, w, lean, any)) {
-                k++;
-                continue;
-            }
-            hit[x->number] = x->h.outer != NO_PRIM;
-            if (!any)
-                h[x->number] = x->h;
-            if (next < n)
-                walk_begin(x, w, r, next++);
-            else
-                flying[k] = flying[--active];
+    while (nodes.n + leaves.n) {
+        size_t count = nodes.n;
+        nodes.n = 0;
+        for (size_t k = 0; k < count; k++) {
+            Walk *x = nodes.x[k];
+            step_node(x, w, lean, any);
+            nodes.x[nodes.n] = x;
+            nodes.n += is_node(x->at);
+            leaves.x[leaves.n] = x;
+            leaves.n += !is_node(x->at);
         }
+        count = leaves.n;
+        leaves.n = 0;
+        for (size_t k = 0; k < count; k++) {
+            Walk *x = leaves.x[k];
+            if (x->at != DONE) {
+                leaf_meets(w, lean, x->at, x->p.ray, &x->p, &x->h, any, NULL);
+                if (any && x->h.outer != NO_PRIM)
+                    x->at = DONE;
+                else
+                    walk_on(x, w, lean, *--x->top);
+            }
+            if (x->at == DONE) {
+                hit[x->number] = x->h.outer != NO_PRIM;
+                if (!any && hit[x->number])
+                    h[x->number] = x->h;
+                else if (!any)
+                    hit_none(&h[x->number], x->p.ray->tmax);
+                if (next == n)
+                    continue;
+                walk_begin(x, w, r, next++);
+            }
+            nodes.x[nodes.n] = x;
+            nodes.n += is_node(x->at);
+            leaves.x[leaves.n] = x;
+            leaves.n += !is_node(x->at);
+        }
+    }
 }
 
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n)

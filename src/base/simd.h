@@ -47,12 +47,14 @@ INLINE int f4_at_most(F4 a, F4 b) { return __builtin_ia32_movmskps((F4)(a <= b))
 /* Four points of three coordinates become three rows of four. */
 INLINE void f4_transpose(F4 a, F4 b, F4 c, F4 d, F4 row[3])
 {
-    F4 xy = __builtin_shufflevector(a, b, 0, 4, 1, 5), zw = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-    F4 uv = __builtin_shufflevector(c, d, 0, 4, 1, 5), st = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    F4 ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+    F4 cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
 
-    row[0] = __builtin_shufflevector(xy, uv, 0, 1, 4, 5);
-    row[1] = __builtin_shufflevector(xy, uv, 2, 3, 6, 7);
-    row[2] = __builtin_shufflevector(zw, st, 0, 1, 4, 5);
+    row[0] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    row[1] = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    ab = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    row[2] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
 }
 
 /* What f4_turn does: exchange the two halves, or leave them. */
@@ -250,7 +252,10 @@ INLINE I8 i8_add(I8 a, I8 b) { return _mm256_add_epi32(a, b); }
 INLINE I8 i8_sub(I8 a, I8 b) { return _mm256_sub_epi32(a, b); }
 INLINE I8 i8_left(I8 a, int n) { return _mm256_slli_epi32(a, n); }
 /* a < 0 ? b : c, a with a sign */
-INLINE I8 i8_if_top(I8 a, I8 b, I8 c) { return _mm256_mask_mov_epi32(c, _mm256_movepi32_mask(a), b); }
+INLINE I8 i8_if_top(I8 a, I8 b, I8 c)
+{
+    return _mm256_mask_mov_epi32(c, _mm256_cmplt_epi32_mask(a, _mm256_setzero_si256()), b);
+}
 
 INLINE Keys8 keys8(F8 high, I8 low)
 {
@@ -262,11 +267,15 @@ INLINE uint64_t keys8_least(Keys8 a, int bits)
 {
     return _mm512_mask_reduce_min_epu64((__mmask8)bits, a);
 }
-/* Stores those in bits, except the one key, in their order. Eight places at p may be written. */
-INLINE void keys8_store_others(uint64_t *p, Keys8 a, int bits, uint64_t key)
+/* Those in bits but the one key. */
+INLINE int keys8_others(Keys8 a, int bits, uint64_t key)
 {
-    __mmask8 m = _mm512_mask_cmpneq_epu64_mask((__mmask8)bits, a, _mm512_set1_epi64((long long)key));
-    _mm512_storeu_si512(p, _mm512_maskz_compress_epi64(m, a));
+    return _mm512_mask_cmpneq_epu64_mask((__mmask8)bits, a, _mm512_set1_epi64((long long)key));
+}
+/* Stores those in bits, in their order. Eight places at p may be written. */
+INLINE void keys8_store(uint64_t *p, Keys8 a, int bits)
+{
+    _mm512_storeu_si512(p, _mm512_maskz_compress_epi64((__mmask8)bits, a));
 }
 
 #else
@@ -305,11 +314,16 @@ INLINE uint64_t keys8_least(Keys8 a, int bits)
         least = a.v[LOWEST_BIT(bits)] < least ? a.v[LOWEST_BIT(bits)] : least;
     return least;
 }
-INLINE void keys8_store_others(uint64_t *p, Keys8 a, int bits, uint64_t key)
+INLINE int keys8_others(Keys8 a, int bits, uint64_t key)
+{
+    for (int k = 0; k < 8; k++)
+        bits &= ~((a.v[k] == key) << k);
+    return bits;
+}
+INLINE void keys8_store(uint64_t *p, Keys8 a, int bits)
 {
     for (; bits; bits &= bits - 1)
-        if (a.v[LOWEST_BIT(bits)] != key)
-            *p++ = a.v[LOWEST_BIT(bits)];
+        *p++ = a.v[LOWEST_BIT(bits)];
 }
 
 #endif

@@ -187,8 +187,8 @@ static bool remember_places(Shape *s, const uint32_t *order)
     return true;
 }
 
-/* Vertices of a mesh by first use: where each goes, counted from the mesh's first; *n: how many there
- * are up to the last that is used. NULL: memory ran out. */
+/* Vertices of a mesh by first use: where each goes, counted from the mesh's first; *n: how many
+ * there are up to the last that is used. NULL: memory ran out. */
 static uint32_t *vertex_places(const Geometry *g, const Shape *s, const uint32_t *order,
                                uint32_t *n)
 {

@@ -189,7 +189,8 @@ INLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
 /* The corners of four triangles as the ray sees them. */
 typedef union { float lane[3][3][4]; F4 align; } FourView;     /* [corner][x, y, z][triangle] */
 
-/* The same for four triangles whose corners are fetched from the mesh, of which n are of concern. */
+/* triangle_block_test for four triangles whose corners are fetched from the mesh; n of them are of
+ * concern. */
 INLINE int triangle_four_test(const Geometry *g, const uint32_t prim[4], int n, const Probe *r,
                               FourView *v)
 {
