@@ -6,6 +6,7 @@
 #include "accel/accel.h"
 #include "accel/prim.h"
 #include "accel/refs.h"
+#include "accel/waiting.h"
 #include "base/simd.h"
 
 #include <string.h>
@@ -187,18 +188,6 @@ INLINE uint64_t leaf_prims(Below at) { return is_odd(at) ? 1 : (uint64_t)leaf_co
 
 /* Each level leaves at most seven children waiting; and see nearest_child. */
 enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
-
-/* What waits: the bits of the distance, then the reference. Distances are not negative, so their
- * bits are in their order, and comparing takes no branch: it would be taken at random. */
-typedef uint64_t Waiting;
-
-INLINE float waiting_near(Waiting w)
-{
-    uint32_t bits = (uint32_t)(w >> 32);
-    float near;
-    memcpy(&near, &bits, 4);
-    return near;
-}
 
 /* Of the children in `bits`, one at least, the nearest is returned, the others are put on the stack,
  * where eight places may be written. */
