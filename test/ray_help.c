@@ -122,6 +122,14 @@ Accel *setting_arrange(const Setting *s, Geometry *g)
     return a;
 }
 
+bool setting_is_forest(const Setting *s)
+{
+    const OptDef *d = s->kind->info.options;
+    while (d && d->key && strcmp(d->key, "pieces"))
+        d++;
+    return d && d->key;
+}
+
 uint64_t prims_most(const Accel *a)
 {
     uint64_t n = geometry_prims(a->geo);

@@ -43,6 +43,8 @@ const Setting *setting_brute(void);
 
 Accel *setting_build(const Setting *s, const Geometry *g);      /* never NULL; may end the case */
 Accel *setting_arrange(const Setting *s, Geometry *g);          /* the same by accel_build */
+/* Is it of complete trees (accel/forest.h)? */
+bool setting_is_forest(const Setting *s);
 /* What a query of a flat world may test at most. */
 uint64_t prims_most(const Accel *a);
 

@@ -1,6 +1,7 @@
 /* test_rays_trees.c -- the structures themselves: their checks pass on every mesh and notice every
  * change made behind their back; building ends, in bounded depth and time, whatever the input; rays
  * that are no rays do no harm; a failed build leaves nothing behind. */
+#include "accel/forest.h"
 #include "base/mem.h"
 #include "test/ray_help.h"
 
@@ -65,18 +66,32 @@ static uint64_t complete_nodes(uint64_t leaves, uint64_t arity)
     return nodes;
 }
 
-static void expect_nodes(const Setting *s, const Accel *a, uint32_t n)
+/* Blocks of memory of a forest, and what the allocator adds to each at most. */
+enum { BLOCKS = 5, BLOCK_HEAD = 32 };
+
+/* Of a forest over n triangles of one mesh: nodes by their number, bytes by that number too, 6
+ * planes a node but the roots, besides the headers of trees and the level above. bytes: of memory
+ * that was taken. */
+static void expect_sizes(const Setting *s, const Accel *a, uint32_t n, size_t bytes)
 {
+    bool wide = !strcmp(s->kind->info.name, "lbvh") && opt_is(&s->opts, "bits", "16");
     uint64_t leaf = (uint64_t)opt_int(&s->opts, "leaf"), most = opt_int(&s->opts, "pieces") ?
                     (uint64_t)opt_int(&s->opts, "pieces") : n, pieces = (n + most - 1) / most;
-    uint64_t want = 2 * pieces - 1;                     /* the level above */
+    uint64_t top = 2 * pieces - 1, want = top, headers;
 
     for (uint64_t i = 0; i < pieces; i++) {
         uint64_t count = n * (i + 1) / pieces - n * i / pieces;
         want += complete_nodes((count + leaf - 1) / leaf, (uint64_t)opt_int(&s->opts, "arity"));
     }
+    headers = sizeof(Forest) + pieces * (sizeof(Tree) + sizeof(uint32_t)) +
+              top * sizeof(SkipNode) + FOREST_PAD;
     EXPECT(a->nodes == want, "%s has %lu nodes for %lu triangles, expected %lu", s->name,
            (unsigned long)a->nodes, (unsigned long)n, (unsigned long)want);
+    EXPECT(a->bytes == headers + (want - top - pieces) * (wide ? 12 : 6),
+           "%s has %lu bytes in %lu nodes", s->name, (unsigned long)a->bytes, (unsigned long)want);
+    EXPECT(a->bytes <= bytes && bytes <= a->bytes + BLOCKS * BLOCK_HEAD,
+           "%s says %lu bytes, %lu are taken", s->name, (unsigned long)a->bytes,
+           (unsigned long)bytes);
 }
 
 /* Rays at the middle of each triangle and past it. */
@@ -109,13 +124,15 @@ static void small(void)
         geometry_of(&g, &m);
         for (const Setting *s = settings_all(); s->kind; s++) {
             Accel *a, *brute;
+            size_t before = mem_bytes(), bytes;
             if (!s->kind->arrange)
                 continue;
             a = setting_arrange(s, &g);
+            bytes = mem_bytes() - before;
             brute = setting_build(setting_brute(), &g);
             check_tree(s, a, "small");
-            if (n)
-                expect_nodes(s, a, n);
+            if (n && setting_is_forest(s))
+                expect_sizes(s, a, n, bytes);
             if (n < 40 || n % 10 == 0)
                 expect_hits(s, a, brute, &rng);
             accel_free(a);

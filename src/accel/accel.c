@@ -10,6 +10,7 @@
     X(brute)                    /* the reference */                            \
     X(bvh)                      /* binary tree of boxes */                     \
     X(grid)                     /* equal cells, grids within dense ones */     \
+    X(hlbvh)                    /* the same as lbvh, each box a part of its parent's */ \
     X(kdtree)                   /* space divided by planes */                  \
     X(lbvh)                     /* complete trees without pointers */          \
     X(wide)                     /* eight children a node; the default */

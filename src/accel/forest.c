@@ -7,9 +7,13 @@
 
 #include <string.h>
 
-enum { PAD = 32 };                      /* eight lanes are read where there may be fewer */
-
 /* ---- the shape of a tree ---- */
+
+Form forest_form(const Opts *o)
+{
+    return (Form){ (uint32_t)opt_int(o, "arity"), (uint32_t)opt_int(o, "leaf"),
+                   (uint32_t)opt_int(o, "pieces") };
+}
 
 /* A tree over so many triangles. */
 static Tree tree_of(Form f, uint32_t first, uint32_t count)
@@ -160,6 +164,21 @@ void forest_plane_set(Forest *f, size_t at, uint32_t q)
         memcpy(f->planes + at, &wide, 2);
 }
 
+uint32_t planes_below(float base, float step, float x, uint32_t range, bool equal)
+{
+    uint32_t lo = 0, hi = range + 1;
+
+    while (lo < hi) {
+        uint32_t mid = (lo + hi) / 2;
+        float plane = plane_at(base, step, mid);
+        if (plane < x || (equal && plane == x))
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo;
+}
+
 Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
 {
     Box b = box_empty();
@@ -169,8 +188,8 @@ Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
 }
 
 /* The box of a tree, and its steps: a little larger than that needs, so that the last plane is
- * outside for sure (eq. 3.2 takes one from the range for that). False: a box without an end, which
- * cannot be divided. */
+ * outside for sure (eq. 3.2 takes one from the range for that). False: a box without an end, or so
+ * large that floats have no last plane; it cannot be divided. */
 static bool set_box(const Forest *f, Tree *t, Box b)
 {
     uint32_t range = forest_range(f);
@@ -180,9 +199,9 @@ static bool set_box(const Forest *f, Tree *t, Box b)
         t->lo[k] = v_axis(b.lo, k);
         t->step[k] = (float)(extent / (range - 1));
         while (is_finite(t->lo[k]) && is_finite(t->step[k]) &&
-               t->lo[k] + (float)range * t->step[k] < v_axis(b.hi, k))
+               plane_at(t->lo[k], t->step[k], range) < v_axis(b.hi, k))
             t->step[k] = f_max(t->step[k] * 1.01f, 0x1p-120f);  /* no denormal number grows */
-        if (!is_finite(t->lo[k]) || !is_finite(t->step[k]))
+        if (!is_finite(plane_at(t->lo[k], t->step[k], range)))
             return false;
     }
     return true;
@@ -263,7 +282,7 @@ Forest *forest_new(const Geometry *g, Form form, int bits, const char *name)
     }
     if (ok) {
         lay_out(f, refs);
-        f->planes = MEM_ARRAY(unsigned char, f->nplanes + PAD);
+        f->planes = MEM_ARRAY(unsigned char, f->nplanes + FOREST_PAD);
         ok = f->planes && build_top(f, refs);
     }
     mem_free(refs);
@@ -272,7 +291,7 @@ Forest *forest_new(const Geometry *g, Form form, int bits, const char *name)
             forest_free(&f->base);
         return NULL;
     }
-    f->base.bytes = sizeof *f + f->ntrees * sizeof *f->trees + f->nplanes + PAD +
+    f->base.bytes = sizeof *f + f->ntrees * sizeof *f->trees + f->nplanes + FOREST_PAD +
                     f->ntop * sizeof *f->top + (f->ntrees + g->nodd) * sizeof *f->item;
     return f;
 }

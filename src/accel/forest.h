@@ -17,7 +17,8 @@
 #include "accel/accel.h"
 #include "accel/skip.h"
 
-enum { FOREST_ARITY_MOST = 8 };
+/* PAD: eight lanes are read where there may be fewer. */
+enum { FOREST_ARITY_MOST = 8, FOREST_PAD = 32 };
 
 /* pieces: 0 for one tree a mesh. */
 typedef struct { uint32_t arity, leaf, pieces; } Form;
@@ -40,6 +41,15 @@ typedef struct {
     size_t   ntrees, ntop, nplanes;     /* nplanes: in bytes */
 } Forest;
 
+/* The options of a form, for tables of options, and their values. */
+#define FOREST_OPTIONS                                                                          \
+    { .key = "arity", .type = OPT_INT, .num = 4, .lo = 2, .hi = FOREST_ARITY_MOST,              \
+      .help = "children a node" },                                                              \
+    { .key = "leaf", .type = OPT_INT, .num = 4, .lo = 1, .hi = 64, .help = "triangles a leaf" }, \
+    { .key = "pieces", .type = OPT_INT, .num = 0, .lo = 0, .hi = 1 << 30,                       \
+      .help = "most triangles of a tree; 0: a mesh has one" }
+Form forest_form(const Opts *o);
+
 /* Puts the triangles of all meshes into the order of the leaves. False: memory ran out. */
 bool forest_arrange(Geometry *g, Form f);
 
@@ -56,6 +66,13 @@ INLINE uint32_t forest_range(const Forest *f) { return f->bits == 8 ? 255 : 6553
 size_t   forest_plane_at(const Forest *f, const Tree *t, uint32_t j, int side, int axis);
 uint32_t forest_plane_get(const Forest *f, size_t at);
 void     forest_plane_set(Forest *f, size_t at, uint32_t q);
+
+/* The value of plane q, for the builders; queries do the same in lanes. It rises with q, in floats
+ * too. */
+INLINE float plane_at(float base, float step, uint32_t q) { return base + (float)q * step; }
+
+/* How many of the planes 0 .. range are below x or, if so wanted, equal to it. */
+uint32_t planes_below(float base, float step, float x, uint32_t range, bool equal);
 
 /* The triangles of leaf j: *from .. *to, counted from the tree's first. Some leaves are empty. */
 INLINE void leaf_range(const Tree *t, uint32_t leaf, uint32_t j, uint32_t *from, uint32_t *to)

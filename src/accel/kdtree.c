@@ -18,7 +18,6 @@
 #include "base/mem.h"
 
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PLANES = 32, FEW = 64, DEPTH_MOST = 64, ENTRIES_MOST = 12, NODES_MOST = 1 << 29 };
@@ -67,71 +66,73 @@ static void axis_set(Box *b, bool upper, int axis, float x)
     p[axis] = x;
 }
 
-static double area(Box b)
+/* One axis of a cell whose planes are compared. The area of the part below a plane at x is in
+ * proportion to across + around (x - lo), that of the whole being 1. */
+typedef struct {
+    int    axis;
+    float  lo, hi;
+    double from, to;            /* planes are between these */
+    double across, around;
+} Range;
+
+/* Cells thinner than 4 slack are of no use: rays would have to look into their neighbours, too. */
+static Range range_of(const KdTree *t, Box cell, int axis)
 {
-    double x = (double)b.hi.x - b.lo.x, y = (double)b.hi.y - b.lo.y, z = (double)b.hi.z - b.lo.z;
-    return x * y + y * z + z * x;
+    int l = (axis + 1) % 3, m = (axis + 2) % 3;
+    double x = (double)v_axis(cell.hi, l) - v_axis(cell.lo, l);
+    double y = (double)v_axis(cell.hi, m) - v_axis(cell.lo, m);
+    Range r = { axis, v_axis(cell.lo, axis), v_axis(cell.hi, axis), 0, 0, 0, 0 };
+    double area = x * y + (x + y) * ((double)r.hi - r.lo);
+
+    r.from = r.lo + 4 * t->slack;
+    r.to = r.hi - 4 * t->slack;
+    r.across = x * y / area;
+    r.around = (x + y) / area;
+    return r;
 }
 
-/* The cost of the plane with so many primitives below and above it. Cells thinner than 4 slack
- * are of no use: rays would have to look into their neighbours, too. */
-static void consider(const Build *b, Box cell, int axis, float plane, size_t below, size_t above,
+/* The cost of the plane with so many primitives below and above it. */
+static void consider(const Build *b, const Range *r, float plane, size_t below, size_t above,
                      Choice *best)
 {
-    Box lower = cell, upper = cell;
-    double cost;
+    double lower = r->across + r->around * ((double)plane - r->lo);
+    double upper = r->across + r->around * ((double)r->hi - plane);
+    double cost = b->visit + lower * (double)below + upper * (double)above;
 
-    if (!(plane > v_axis(cell.lo, axis) + 4 * b->tree->slack &&
-          plane < v_axis(cell.hi, axis) - 4 * b->tree->slack))
-        return;
-    axis_set(&lower, true, axis, plane);
-    axis_set(&upper, false, axis, plane);
-    cost = b->visit + (area(lower) * (double)below + area(upper) * (double)above) / area(cell);
     if (below == 0 || above == 0)
         cost *= 0.8;
-    if (cost < best->cost)
-        *best = (Choice){ axis, plane, cost };
-}
-
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* How many of the sorted numbers are below x, or not above it. */
-static size_t count_below(const float *v, size_t n, float x, bool equal)
-{
-    size_t lo = 0;
-    while (n > 0) {
-        size_t half = n / 2;
-        if (v[lo + half] < x || (equal && v[lo + half] == x)) {
-            lo += half + 1;
-            n -= half + 1;
-        } else
-            n = half;
-    }
-    return lo;
+    if (plane > r->from && plane < r->to && cost < best->cost)
+        *best = (Choice){ r->axis, plane, cost };
 }
 
 /* A primitive is below a plane if its part begins at most `slack` above it. The planes that are
- * tried stand off the ends of parts, so that what ends there is on one side only. */
-static void consider_ends(const Build *b, Box cell, int axis, const Part *part, size_t n,
+ * tried stand off the ends of parts, so that what ends there is on one side only. Each part is
+ * compared with all planes: while there are FEW, lanes side by side are done sooner than sorting,
+ * which branches at random. */
+static void consider_ends(const Build *b, const Range *r, const Part *part, size_t n,
                           Choice *best)
 {
-    float lo[FEW], hi[FEW], slack = (float)b->tree->slack;
+    float plane[2 * FEW], above[2 * FEW], below[2 * FEW], slack = (float)b->tree->slack;
+    int32_t begun[2 * FEW] = { 0 }, ended[2 * FEW] = { 0 };     /* parts, before each plane */
+    int planes = 2 * (int)n;
 
     for (size_t i = 0; i < n; i++) {
-        lo[i] = v_axis(part[i].box.lo, axis);
-        hi[i] = v_axis(part[i].box.hi, axis);
+        plane[2 * i] = v_axis(part[i].box.lo, r->axis) - 2 * slack;
+        plane[2 * i + 1] = v_axis(part[i].box.hi, r->axis) + 2 * slack;
     }
-    qsort(lo, n, sizeof *lo, compare_floats);
-    qsort(hi, n, sizeof *hi, compare_floats);
-    for (size_t i = 0; i < 2 * n; i++) {
-        float plane = i < n ? lo[i] - 2 * slack : hi[i - n] + 2 * slack;
-        consider(b, cell, axis, plane, count_below(lo, n, plane + slack, true),
-                 n - count_below(hi, n, plane - slack, false), best);
+    for (int k = 0; k < planes; k++) {
+        above[k] = plane[k] + slack;
+        below[k] = plane[k] - slack;
     }
+    for (size_t i = 0; i < n; i++) {
+        float lo = v_axis(part[i].box.lo, r->axis), hi = v_axis(part[i].box.hi, r->axis);
+        for (int k = 0; k < planes; k++) {
+            begun[k] += lo <= above[k];
+            ended[k] += hi < below[k];
+        }
+    }
+    for (int k = 0; k < planes; k++)
+        consider(b, r, plane[k], (size_t)begun[k], n - (size_t)ended[k], best);
 }
 
 /* The slice of a cell that holds x, of PLANES + 1. */
@@ -142,20 +143,20 @@ static int slice_of(float x, float from, float per)
 }
 
 /* Planes at equal distances. */
-static void consider_slices(const Build *b, Box cell, int axis, const Part *part, size_t n,
+static void consider_slices(const Build *b, const Range *r, const Part *part, size_t n,
                             Choice *best)
 {
-    float from = v_axis(cell.lo, axis), step = (v_axis(cell.hi, axis) - from) / (PLANES + 1);
+    float from = r->lo, step = (r->hi - from) / (PLANES + 1);
     size_t begin[PLANES + 1] = { 0 }, end[PLANES + 1] = { 0 }, below = 0, above = n;
 
     for (size_t i = 0; i < n; i++) {
-        begin[slice_of(v_axis(part[i].box.lo, axis), from, 1 / step)]++;
-        end[slice_of(v_axis(part[i].box.hi, axis), from, 1 / step)]++;
+        begin[slice_of(v_axis(part[i].box.lo, r->axis), from, 1 / step)]++;
+        end[slice_of(v_axis(part[i].box.hi, r->axis), from, 1 / step)]++;
     }
     for (int i = 0; i < PLANES; i++) {
         below += begin[i];
         above -= end[i];
-        consider(b, cell, axis, from + (float)(i + 1) * step, below, above, best);
+        consider(b, r, from + (float)(i + 1) * step, below, above, best);
     }
 }
 
@@ -250,7 +251,8 @@ static bool part_in(const KdTree *t, Box cell, Part *part)
     return true;
 }
 
-/* Puts the parts on one side of a plane, in their cell, on the stack. */
+/* Puts the parts on one side of a plane, in their cell, on the stack. What the plane does not cut
+ * has the box that it had. */
 static bool push_parts(Build *b, size_t first, size_t n, Choice c, Box cell, bool upper)
 {
     double slack = b->tree->slack;
@@ -259,9 +261,10 @@ static bool push_parts(Build *b, size_t first, size_t n, Choice c, Box cell, boo
         return false;
     for (size_t i = first; i < first + n; i++) {
         Part p = b->part[i];
-        bool in = upper ? v_axis(p.box.hi, c.axis) >= c.plane - slack
-                        : v_axis(p.box.lo, c.axis) <= c.plane + slack;
-        if (in && part_in(b->tree, cell, &p))
+        bool is_above = v_axis(p.box.hi, c.axis) >= c.plane - slack;
+        bool is_below = v_axis(p.box.lo, c.axis) <= c.plane + slack;
+        if ((upper ? is_above : is_below) &&
+            (!(is_above && is_below) || part_in(b->tree, cell, &p)))
             b->part[b->nparts++] = p;
     }
     return true;
@@ -271,11 +274,13 @@ static Choice choose(const Build *b, const Part *part, size_t n, Box cell)
 {
     Choice best = { -1, 0, (double)n };
 
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++) {
+        Range r = range_of(b->tree, cell, axis);
         if (n <= FEW)
-            consider_ends(b, cell, axis, part, n, &best);
+            consider_ends(b, &r, part, n, &best);
         else
-            consider_slices(b, cell, axis, part, n, &best);
+            consider_slices(b, &r, part, n, &best);
+    }
     return best;
 }
 

@@ -6,6 +6,7 @@
 #include "accel/accel.h"
 #include "accel/prim.h"
 #include "accel/refs.h"
+#include "accel/waiting.h"
 #include "base/simd.h"
 
 #include <string.h>
@@ -183,24 +184,6 @@ INLINE uint64_t leaf_prims(Below at) { return is_odd(at) ? 1 : (uint64_t)leaf_co
 
 /* Each level leaves at most seven children waiting; eight places more may be written. */
 enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
-
-/* What waits: the bits of the distance, then the reference. Distances are not negative, so their
- * bits are in their order, and comparing takes no branch: it would be taken at random. */
-typedef uint64_t Waiting;
-
-INLINE Waiting waiting(float near, Below below)
-{
-    uint32_t bits;
-    memcpy(&bits, &near, 4);
-    return (Waiting)bits << 32 | below;
-}
-INLINE float waiting_near(Waiting w)
-{
-    uint32_t bits = (uint32_t)(w >> 32);
-    float near;
-    memcpy(&near, &bits, 4);
-    return near;
-}
 
 /* ---- many rays ---- */
 
