@@ -1,5 +1,4 @@
 /* rays.c -- loading, building and casting. */
-#include "base/clock.h"
 #include "base/file.h"
 #include "bench/bench.h"
 #include "geometry/generate.h"

@@ -263,6 +263,16 @@ bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
     return true;
 }
 
+void geometry_restore(Geometry *g, const Tri *tri)
+{
+    if (g->ntris)
+        memcpy(g->tri, tri, g->ntris * sizeof *tri);
+    for (size_t i = 0; i < g->nshapes; i++) {
+        mem_free(g->shapes[i].place);
+        g->shapes[i].place = NULL;
+    }
+}
+
 const Shape *geometry_shape(const Geometry *g, uint32_t prim)
 {
     size_t n = g->nmeshes;

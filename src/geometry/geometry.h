@@ -84,6 +84,8 @@ bool geometry_finish(Geometry *g);
  * follow, by first use: what is near is near in memory. Lamps remember the old order, so that
  * pictures stay the same. False: memory ran out, nothing changed. */
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
+/* Puts all triangles back as they came; tri is a copy of g->tri from before they were arranged. */
+void geometry_restore(Geometry *g, const Tri *tri);
 
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
 Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */
