@@ -28,9 +28,9 @@ typedef struct {
 void rayset_clear(RaySet *s);
 
 /* Files of rays, as other measuring programs write them: char magic[4] "RAYS"; uint32 version (1);
- * char kind[16]; uint32 query (0 nearest, 1 any); uint32 0; uint64 count; uint64 hits; double sum_t;
- * then of each ray float ox oy oz dx dy dz tmin tmax. All in the byte order of the machine that
- * wrote it, which the version tells.
+ * char kind[16]; uint32 query (0 nearest, 1 any); uint32 0; uint64 count; uint64 hits; double
+ * sum_t; then of each ray float ox oy oz dx dy dz tmin tmax. All in the byte order of the machine
+ * that wrote it, which the version tells.
  *
  * A Ray begins at t = 0, so one with another tmin is cast from the point there, o + tmin d in
  * floats; a warning says so. False: reported (with what is wrong: a size that does not fit the
@@ -105,7 +105,7 @@ typedef struct {
     double build_one, build_all;        /* seconds with one thread (CPU time), with all (wall) */
     uint64_t nodes;
     int    depth;
-    size_t bytes, peak;         /* held after the build, and most held during it, beside the scene */
+    size_t bytes, peak;         /* of the structure; most held by its build beside the scene */
     struct {
         double single, batch;   /* million rays a CPU-second, one or many a call; 0: not measured */
         double nodes, prims;    /* box and primitive tests a ray; 0 if there are no rays */

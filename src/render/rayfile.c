@@ -143,8 +143,8 @@ static bool read_rays(const RayFile *f, RaySet *s)
         s->tmin = NULL;
         return true;
     }
-    return warn_at(f->at, "%lu of %lu rays have a tmin other than 0: they are cast from o + tmin d, "
-                   "and their t is counted from o", (unsigned long)moved, (unsigned long)s->n);
+    return warn_at(f->at, "%lu of %lu rays have a tmin other than 0: they are cast from o + tmin "
+                   "d, and their t is counted from o", (unsigned long)moved, (unsigned long)s->n);
 }
 
 bool rayset_read(RaySet *s, const char *path, uint64_t limit)
