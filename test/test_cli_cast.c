@@ -497,7 +497,7 @@ static void hostile_rays(void)
 /* Broken at random: refused, or rays that can be cast, in little memory. */
 static void hostile_at_random(void)
 {
-    int rounds = test_is_long() ? 200000 : 5000, taken = 0;
+    int rounds = test_is_long() ? 50000 : 5000, taken = 0;
     Rng rng = rng_seed(4);
 
     messages_nowhere();

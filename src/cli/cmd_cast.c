@@ -237,7 +237,7 @@ static bool measure(const Line *l, CastScene *c, const RaySet *sets, int nsets, 
     for (int i = 0; ok && i < t.nrows; i++) {
         ok = cast_measure(c, &configs[i], &l->order, sets, nsets, &rows[i], differs);
         if (ok)
-            note("%s: %s, %d of %d", c->name, configs[i].text, i + 1, t.nrows);
+            note("%s: %s is measured, %d of %d", c->name, configs[i].text, i + 1, t.nrows);
     }
     if (ok)
         print(l, &t);
