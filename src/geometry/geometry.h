@@ -69,6 +69,9 @@ typedef struct {
 typedef struct { uint32_t material, light; bool flip; } ShapeTraits;
 
 void geometry_clear(Geometry *g);
+/* Makes *to, which need not be set, a copy that shares nothing with *from but the structures of its
+ * instances. False: memory, reported, *to empty. */
+bool geometry_copy(Geometry *to, const Geometry *from);
 
 /* Each adds one shape and gives its index in *shape (may be NULL). False: memory or the counts of
  * 32 bits ran out, reported. The mesh is emptied: its arrays are taken over or copied. Points of
@@ -84,8 +87,6 @@ bool geometry_finish(Geometry *g);
  * follow, by first use: what is near is near in memory. Lamps remember the old order, so that
  * pictures stay the same. False: memory ran out, nothing changed. */
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
-/* Puts all triangles back as they came; tri is a copy of g->tri from before they were arranged. */
-void geometry_restore(Geometry *g, const Tri *tri);
 
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
 Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */

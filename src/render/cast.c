@@ -3,7 +3,7 @@
  * Truth     A structure may put the triangles into another order, so triangles are not compared by
  *           their numbers, and of two with the same t either may be met: t must be the same float,
  *           and the triangle that is told must give this t when it is tested alone.
- * Fairness  Every build starts from the order of the file. Speeds are of CPU time of the one thread
+ * Fairness  Every build starts from the geometry as the file has it. Speeds are of CPU time of the one thread
  *           that casts, so that other work on the machine disturbs them less. */
 #include "render/cast.h"
 
@@ -18,33 +18,31 @@
 
 bool cast_init(CastScene *c, Scene *s, const char *name)
 {
+    bool ok;
+
     memset(c, 0, sizeof *c);
     c->scene = s;
     c->name = name;
-    c->order = MEM_ARRAY(Tri *, s->ngeometries);
-    for (size_t k = 0; c->order && k < s->ngeometries; k++) {
+    c->original = MEM_ARRAY(Geometry, s->ngeometries);
+    ok = c->original != NULL;
+    for (size_t k = 0; ok && k < s->ngeometries; k++) {
         const Geometry *g = &s->geometries[k];
-        c->order[k] = MEM_ARRAY(Tri, g->ntris);
-        if (!c->order[k])
-            break;
-        if (g->ntris)
-            memcpy(c->order[k], g->tri, g->ntris * sizeof(Tri));
+        ok = geometry_copy(&c->original[k], g);
         c->tris += g->ntris;
         c->prims += g->ntris + g->nodd;
         c->verts += g->nverts;
         c->bytes += g->ntris * sizeof(Tri) + g->nverts * sizeof(V3) + g->nodd * sizeof(Shape);
-        if (k + 1 == s->ngeometries)
-            return true;
     }
-    cast_clear(c);
-    return false;
+    if (!ok)
+        cast_clear(c);
+    return ok;
 }
 
 void cast_clear(CastScene *c)
 {
-    for (size_t k = 0; c->order && k < c->scene->ngeometries; k++)
-        mem_free(c->order[k]);
-    mem_free(c->order);
+    for (size_t k = 0; c->original && k < c->scene->ngeometries; k++)
+        geometry_clear(&c->original[k]);
+    mem_free(c->original);
     memset(c, 0, sizeof *c);
 }
 
@@ -61,17 +59,22 @@ CastConfig cast_default(void)
 
 /* ---- building ---- */
 
-static void put_back(CastScene *c)
+/* A structure may have put triangles and vertices into another order. */
+static bool put_back(CastScene *c)
 {
+    bool ok = true;
+
     scene_drop_accels(c->scene);
-    for (size_t k = 0; k < c->scene->ngeometries; k++)
-        geometry_restore(&c->scene->geometries[k], c->order[k]);
+    for (size_t k = 0; ok && k < c->scene->ngeometries; k++) {
+        geometry_clear(&c->scene->geometries[k]);
+        ok = geometry_copy(&c->scene->geometries[k], &c->original[k]);
+    }
+    return ok;
 }
 
 bool cast_build(CastScene *c, const CastConfig *config, int threads)
 {
-    put_back(c);
-    return scene_build_accels(c->scene, config->kind, &config->opts, threads);
+    return put_back(c) && scene_build_accels(c->scene, config->kind, &config->opts, threads);
 }
 
 /* Seconds of CPU time for one thread, by the wall for more. */
@@ -85,7 +88,8 @@ static bool time_build(CastScene *c, const CastConfig *config, int threads, int 
     do {
         double start;
         size_t before, peak;
-        put_back(c);
+        if (!put_back(c))
+            return false;
         before = mem_bytes();
         mem_peak_restart();
         start = now();

@@ -74,11 +74,11 @@ typedef struct {
     const char *text;           /* borrowed: "lbvh:bits=8" */
 } CastConfig;
 
-/* A scene whose triangles can be put back in the order that they came in. */
+/* A scene whose geometry can be had again as it came. */
 typedef struct {
     Scene *scene;               /* borrowed */
     const char *name;           /* borrowed: for messages */
-    Tri  **order;               /* owned: the triangles of each geometry as they came */
+    Geometry *original;         /* owned: a copy of each geometry as it came */
     uint64_t tris, prims, verts;        /* of all geometries; prims: also spheres, instances, ... */
     size_t bytes;               /* of points, triangles and other primitives */
 } CastScene;
@@ -86,7 +86,7 @@ typedef struct {
 bool cast_init(CastScene *c, Scene *s, const char *name);       /* false: memory, reported */
 void cast_clear(CastScene *c);          /* the scene stays, with the structure built last */
 
-/* Builds one structure over triangles in their first order. False: reported. */
+/* Builds one structure over the geometry as it came. False: reported. */
 bool cast_build(CastScene *c, const CastConfig *config, int threads);
 /* The structure that others are compared with: the default one. */
 CastConfig cast_default(void);
