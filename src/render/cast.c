@@ -1,10 +1,10 @@
 /* cast.c -- structures built, compared and timed. See cast.h.
  *
- * Truth     A structure may put the triangles into another order, so triangles are not compared by
- *           their numbers, and of two with the same t either may be met: t must be the same float,
- *           and the triangle that is told must give this t when it is tested alone.
- * Fairness  Every build starts from the geometry as the file has it. Speeds are of CPU time of the one
- *           thread that casts, so that other work on the machine disturbs them less. */
+ * Truth     A structure may put the triangles into another order, so they are not compared by their
+ *           numbers, and of two with the same t either may be met: t must be the same float, and
+ *           the triangle that is told must give this t when it is tested alone.
+ * Fairness  Every build starts from the geometry as the file has it. Speeds are of CPU time of the
+ *           one thread that casts, so that other work on the machine disturbs them less. */
 #include "render/cast.h"
 
 #include "base/clock.h"
