@@ -5,7 +5,6 @@
 #include "bench/bench.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 
@@ -13,18 +12,6 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
     { "error", bench_error },
 };
-
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double median(double *v, int n)
-{
-    qsort(v, (size_t)n, sizeof *v, by_size);
-    return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
-}
 
 static void machine(void)
 {

@@ -1,15 +1,14 @@
 /* rays.c -- loading, building and casting. */
-#include "base/clock.h"
 #include "base/file.h"
 #include "bench/bench.h"
 #include "geometry/generate.h"
-#include "sampling/warp.h"
+#include "render/cast.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { SUBDIVISIONS = 224, RUNS = 5, RAYS = 1 << 18, CHECKED = 200 };
+enum { SUBDIVISIONS = 224, RUNS = 5 };
 
 /* 20 * 224^2: 1,003,520 triangles of a bumpy closed body. */
 static bool make_mesh(Mesh *m)
@@ -52,141 +51,56 @@ void bench_load(void)
 
 /* ---- rays ---- */
 
-/* Primary: a square picture of the body. Diffuse: off what those hit. Random: through its box. */
-static size_t primary(Ray *r)
+static void print(const CastConfig *config, const CastScene *c, const CastRow *row,
+                  const RaySet *sets)
 {
-    size_t side = 512, n = 0;
-    for (size_t y = 0; y < side; y++)
-        for (size_t x = 0; x < side; x++) {
-            V3 d = v3(((float)x / (float)side - 0.5f) * 0.9f,
-                      ((float)y / (float)side - 0.5f) * 0.9f,
-                      -1.0f);
-            r[n].o = v3(0, 0, 3.2f);
-            r[n].d = v_unit(d);
-            r[n++].tmax = INFINITY;
-        }
-    return n;
+    for (int k = 0; k < RAYS_KINDS; k++)
+        printf("rays\t%s\t%s\tMrays/s: single %.2f, in batches %.2f\tnodes %.1f\tprims %.1f\t"
+               "bytes a triangle %.1f\tbuild s %.3f\n", config->text, sets[k].kind,
+               row->sets[k].single, row->sets[k].batch, row->sets[k].nodes, row->sets[k].prims,
+               (double)row->bytes / (double)c->prims, row->build_all);
 }
 
-static size_t diffuse(const Accel *a, const Ray *from, size_t n, Ray *r)
+static void cast(CastScene *c)
 {
-    Rng rng = rng_seed(5);
-    size_t out = 0;
-    for (size_t i = 0; i < n; i++) {
-        Surface s;
-        Frame f;
-        V2 u;
-        Hit h;
-        if (!accel_nearest(a, &from[i], &h))
+    const RayRules rules = { .w = 512, .h = 512, .ao = 0.1f, .seed = 1 };
+    const CastOrder order = { processors(), RUNS, 256 };
+    RaySet sets[RAYS_KINDS];
+    CastConfig config = cast_default();
+    CastRow row;
+    bool ok, differs;
+
+    if (!cast_build(c, &config, order.threads) || !rays_make(c->scene, &rules, sets))
+        return;
+    ok = cast_reference(c, sets, RAYS_KINDS, &differs);
+    if (differs)
+        printf("rays\t%s\tWRONG\n", config.text);
+    for (int i = 0; ok && accels[i]; i++) {
+        config.kind = accels[i];
+        config.text = accels[i]->info.name;
+        opts_default(&config.opts, accels[i]->info.options);
+        if (!strcmp(config.text, "brute"))
             continue;
-        accel_surface(a, &from[i], &h, &s);
-        f = frame_about(s.ng);
-        u.x = rng_unit(&rng);
-        u.y = rng_unit(&rng);
-        r[out].d = frame_out(&f, warp_cosine(u));
-        r[out].o = ray_origin(s.p, s.err, s.ng, r[out].d);
-        r[out++].tmax = INFINITY;
+        if (cast_measure(c, &config, &order, sets, RAYS_KINDS, &row, &differs))
+            print(&config, c, &row, sets);
+        else if (differs)
+            printf("rays\t%s\tWRONG\n", config.text);
     }
-    return out;
-}
-
-static size_t random_rays(Ray *r)
-{
-    Rng rng = rng_seed(6);
-    for (size_t i = 0; i < RAYS; i++) {
-        V2 u, v;
-        u.x = rng_unit(&rng);
-        u.y = rng_unit(&rng);
-        v.x = rng_unit(&rng);
-        v.y = rng_unit(&rng);
-        r[i].o = v_scale(warp_sphere(u), 3.0f);
-        r[i].d = v_unit(v_sub(v_scale(warp_sphere(v), 0.9f), r[i].o));
-        r[i].tmax = INFINITY;
-    }
-    return RAYS;
-}
-
-static bool right(const Accel *a, const Accel *brute, const Ray *r, size_t n)
-{
-    for (size_t i = 0; i < n; i += n / CHECKED + 1) {
-        Hit h, g;
-        bool x = accel_nearest(a, &r[i], &h), y = accel_nearest(brute, &r[i], &g);
-        if (x != y || (x && (h.t != g.t || h.prim != g.prim)) || accel_blocked(a, &r[i]) != y)
-            return false;
-    }
-    return true;
-}
-
-static void cast(const char *kind, const Accel *a, const Accel *brute, const Ray *r, size_t n)
-{
-    double near[RUNS], any[RUNS];
-    Steps steps = { 0, 0 };
-    bool ok = right(a, brute, r, n);
-    volatile size_t hits = 0;
-    Hit h;
-
-    for (int k = -1; k < RUNS; k++) {
-        double t0 = clock_cpu(), t1;
-        for (size_t i = 0; i < n; i++)
-            hits += accel_nearest(a, &r[i], &h);
-        t1 = clock_cpu();
-        for (size_t i = 0; i < n; i++)
-            hits += accel_blocked(a, &r[i]);
-        if (k >= 0) {
-            near[k] = (double)n * 1e-6 / (t1 - t0);
-            any[k] = (double)n * 1e-6 / (clock_cpu() - t1);
-        }
-    }
-    for (size_t i = 0; i < n; i++)
-        a->kind->nearest(a, &r[i], &h, &steps);
-    printf("rays\t%s\t%s\tnearest Mrays/s %.2f\tblocked Mrays/s %.2f\tnodes %.1f\tprims %.1f\t"
-           "bytes a triangle %.1f\t%s\n", a->kind->info.name, kind, median(near, RUNS),
-           median(any, RUNS), (double)steps.nodes / (double)n, (double)steps.prims / (double)n,
-           (double)a->bytes / (double)a->geo->ntris, ok ? "ok" : "WRONG");
-}
-
-/* Each kind gets the triangles as they were, and may put them into the order it likes. */
-static Accel *build(const AccelKind *kind, Geometry *g, const Tri *tris)
-{
-    Opts o;
-
-    opts_default(&o, kind->info.options);
-    memcpy(g->tri, tris, g->ntris * sizeof *tris);
-    return accel_build(kind, g, &o, processors());
-}
-
-static void cast_each(const Accel *a, const Accel *brute, Ray *first, Ray *second)
-{
-    size_t n = primary(first), n2 = diffuse(a, first, n, second);
-
-    cast("primary", a, brute, first, n);
-    cast("diffuse", a, brute, second, n2);
-    cast("random", a, brute, first, random_rays(first));
+    for (int k = 0; k < RAYS_KINDS; k++)
+        rayset_clear(&sets[k]);
 }
 
 void bench_rays(void)
 {
-    const AccelKind *reference = kind_find(accels, "brute");
     ShapeTraits traits = { 0, NO_LIGHT, false };
-    Ray *first = MEM_ARRAY(Ray, RAYS), *second = MEM_ARRAY(Ray, RAYS);
-    Tri *tris = NULL;
-    Geometry g;
+    Scene *scene = scene_new();
+    CastScene c;
     Mesh m;
 
-    memset(&g, 0, sizeof g);
-    if (first && second && make_mesh(&m) && geometry_add_mesh(&g, &m, traits, NULL) &&
-        geometry_finish(&g) && (tris = MEM_ARRAY(Tri, g.ntris)) != NULL)
-        memcpy(tris, g.tri, g.ntris * sizeof *tris);
-    for (int k = 0; tris && accels[k]; k++) {
-        Accel *a = accels[k] == reference ? NULL : build(accels[k], &g, tris);
-        Accel *brute = a ? accel_build_as_is(reference, &g, NULL, 1) : NULL;
-        if (a && brute)
-            cast_each(a, brute, first, second);
-        accel_free(brute);
-        accel_free(a);
+    if (scene && make_mesh(&m) && geometry_add_mesh(&scene->geometries[0], &m, traits, NULL) &&
+        cast_init(&c, scene, "million-triangles")) {
+        cast(&c);
+        cast_clear(&c);
     }
-    geometry_clear(&g);
-    mem_free(tris);
-    mem_free(first);
-    mem_free(second);
+    scene_free(scene);
 }

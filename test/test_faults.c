@@ -19,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WORDS = 40, OUTPUTS = 4 };
+enum { WORDS = 40, OUTPUTS = 5 };
 
 typedef struct {
     const char *line;
@@ -285,7 +285,13 @@ static const Scenario OTHERS[] = {
     { "convert wood.ppm a.hdr --exposure 1", { "a.hdr" }, 4 },
     { "convert sky.pfm sky2.ppm --tonemap reinhard", { "sky2.ppm" }, 4 },
     { "compare sky.pfm sky.pfm --diff d.pfm", { "d.pfm" }, 4 },
+    { "cast roof.ply --quiet --size 2x2 --runs 0 --threads 1 --rays-out r",
+      { "r.primary.rays", "r.bounce.rays", "r.shadow.rays", "r.ao.rays", "r.random.rays" }, 60 },
+    { "cast roof.ply --quiet --runs 0 --csv --rays one.rays", { NULL }, 40 },
 };
+/* A ray along z, in the little-endian order. */
+static const unsigned char one_ray[88] = { 'R', 'A', 'Y', 'S', 1, [32] = 1, [78] = 0x80,
+                                           [79] = 0x3F, [87] = 0x3F };
 enum { OTHERS_N = sizeof OTHERS / sizeof *OTHERS };
 
 static void set_up(void)
@@ -298,6 +304,7 @@ static void set_up(void)
     cli_write_text("room.mtl", "newmtl red\nKd 1 0 0\nmap_Kd wood.ppm\nnewmtl lamp\nKe 1 1 1\n");
     cli_write_text("room.pbrt", "LookAt 0.5 0.5 3  0.5 0.5 0  0 1 0\nCamera \"perspective\"\n"
                    "WorldBegin\nShape \"obj\" \"string filename\" \"room.obj\"\n");
+    cli_write("one.rays", one_ray, sizeof one_ray);
     REQUIRE(chdir(test_folder()) == 0, "chdir");
     for (size_t i = 0; i < sizeof CRASHES / sizeof *CRASHES; i++)
         signal(CRASHES[i], on_crash);

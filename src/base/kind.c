@@ -45,3 +45,19 @@ const void *kind_find_at(Place at, const void *list, const char *what, const cha
                   near ? near : "", near ? "'?" : "", have);
     return NULL;
 }
+
+const void *kind_from_text(const void *list, const char *what, const char *text, Opts *o,
+                           Arena *arena)
+{
+    size_t n = strcspn(text, ":");
+    char *name = arena_string(arena, text, n);
+    const KindInfo *kind;
+
+    if (!name)
+        return NULL;
+    kind = kind_find_at((Place){ NULL, 0, 0 }, list, what, name);
+    if (!kind)
+        return NULL;
+    opts_default(o, kind->options);
+    return opts_parse(o, name, text[n] ? text + n + 1 : "", arena) ? kind : NULL;
+}

@@ -20,6 +20,11 @@ const void *kind_find(const void *list, const char *name);
 /* The same, reporting an unknown name at `at` with the nearest one. what: "integrator". */
 const void *kind_find_at(Place at, const void *list, const char *what, const char *name);
 
+/* By "name" or "name:key=value,..." of the command line; *o gets its options, with strings in the
+ * arena. NULL: reported as a usage error. */
+const void *kind_from_text(const void *list, const char *what, const char *text, Opts *o,
+                           Arena *arena);
+
 /* The k-th member's info, or NULL past the end. */
 const KindInfo *kind_info(const void *list, size_t k);
 

@@ -129,6 +129,13 @@ void mem_fail_at(unsigned long k, bool on)
     pthread_mutex_unlock(&state.lock);
 }
 
+void mem_peak_restart(void)
+{
+    pthread_mutex_lock(&state.lock);
+    state.peak = state.bytes;
+    pthread_mutex_unlock(&state.lock);
+}
+
 void mem_limit(size_t bytes)
 {
     pthread_mutex_lock(&state.lock);

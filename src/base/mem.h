@@ -30,7 +30,8 @@ void          mem_fail_at(unsigned long k, bool on);
 unsigned long mem_calls(void);
 long          mem_blocks(void);                         /* blocks not yet freed */
 size_t        mem_bytes(void);                          /* bytes in them */
-size_t        mem_peak(void);                           /* most bytes held since mem_fail_at */
+size_t        mem_peak(void);                           /* most held since mem_peak_restart */
+void          mem_peak_restart(void);                   /* so does mem_fail_at */
 void          mem_limit(size_t bytes);                  /* more than that at once fails; 0: none */
 
 /* An arena: many small allocations with one life. Blocks never move. */

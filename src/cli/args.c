@@ -83,6 +83,19 @@ bool arg_number(const char *name, const char *value, double lo, double hi, doubl
     return err_usage("%s '%s' is not right, expected a number from %s to %s", name, value, a, b);
 }
 
+bool arg_floats(const char *name, const char *value, const char *form, float *v, int n)
+{
+    const char *s = value, *end = value + strlen(value);
+
+    for (int i = 0; i < n; i++) {
+        size_t k = number_float(s, end, &v[i]);
+        s += k;
+        if (!k || v[i] - v[i] != 0.0f || (i + 1 < n ? *s++ != ',' : s != end))
+            return err_usage("%s '%s' is not right, expected %s", name, value, form);
+    }
+    return true;
+}
+
 /* n whole numbers below 2^31 with `between` between them, and nothing else. */
 static bool whole_numbers(const char *s, uint32_t *v, int n, char between)
 {

@@ -30,6 +30,8 @@ bool args_parse(const Command *c, int argc, char **argv,
 /* Values. False: usage error reported that names the option and the range. */
 bool arg_int(const char *name, const char *value, int64_t lo, int64_t hi, int64_t *v);
 bool arg_number(const char *name, const char *value, double lo, double hi, double *v);
+/* n of them with commas between; form: "X,Y,Z", for the message. */
+bool arg_floats(const char *name, const char *value, const char *form, float *v, int n);
 bool arg_size(const char *name, const char *value, uint32_t *w, uint32_t *h);           /* WxH */
 bool arg_window(const char *name, const char *value, uint32_t window[4]);       /* X0,Y0,X1,Y1 */
 

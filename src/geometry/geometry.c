@@ -22,6 +22,48 @@ void geometry_clear(Geometry *g)
     memset(g, 0, sizeof *g);
 }
 
+static void *copy_of(const void *array, size_t n, size_t size, bool *ok)
+{
+    void *copy = array && *ok ? mem_array(n, size) : NULL;
+
+    if (copy && n)
+        memcpy(copy, array, n * size);
+    *ok = *ok && (copy || !array);
+    return copy;
+}
+
+bool geometry_copy(Geometry *to, const Geometry *from)
+{
+    size_t end = from->nverts;          /* of the vertices of a mesh: where the next one's begin */
+    bool ok = true;
+
+    *to = *from;
+    to->p = copy_of(from->p, from->nverts, sizeof *to->p, &ok);
+    to->tri = copy_of(from->tri, from->ntris, sizeof *to->tri, &ok);
+    to->odd = copy_of(from->odd, from->nodd, sizeof *to->odd, &ok);
+    to->firsts = copy_of(from->firsts, from->nmeshes, sizeof *to->firsts, &ok);
+    to->mesh_shapes = copy_of(from->mesh_shapes, from->nmeshes, sizeof *to->mesh_shapes, &ok);
+    to->shapes = copy_of(from->shapes, from->nshapes, sizeof *to->shapes, &ok);
+    to->cap_p = from->nverts;
+    to->cap_tri = from->ntris;
+    to->cap_odd = from->nodd;
+    to->cap_shapes = from->nshapes;
+    if (!to->shapes)
+        to->nshapes = 0;
+    for (size_t i = to->nshapes; i-- > 0; ) {
+        Shape *s = &to->shapes[i];
+        if (s->kind != SHAPE_MESH)
+            continue;
+        s->n = copy_of(s->n, end - s->first_vertex, sizeof *s->n, &ok);
+        s->uv = copy_of(s->uv, end - s->first_vertex, sizeof *s->uv, &ok);
+        s->place = copy_of(s->place, s->count, sizeof *s->place, &ok);
+        end = s->first_vertex;
+    }
+    if (!ok)
+        geometry_clear(to);
+    return ok;
+}
+
 static bool too_many(void)
 {
     return err_at((Place){ NULL, 0, 0 },

@@ -69,6 +69,9 @@ typedef struct {
 typedef struct { uint32_t material, light; bool flip; } ShapeTraits;
 
 void geometry_clear(Geometry *g);
+/* Makes *to, which need not be set, a copy that shares nothing with *from but the structures of its
+ * instances. False: memory, reported, *to empty. */
+bool geometry_copy(Geometry *to, const Geometry *from);
 
 /* Each adds one shape and gives its index in *shape (may be NULL). False: memory or the counts of
  * 32 bits ran out, reported. The mesh is emptied: its arrays are taken over or copied. Points of

@@ -6,23 +6,6 @@
 
 enum { SPP_DEFAULT = 64, WIDTH_DEFAULT = 1280, HEIGHT_DEFAULT = 720, BARE_SIZE = 800 };
 
-/* "name" or "name:key=value,...": the kind, and its options set. */
-static const void *from_text(const void *list, const char *what, const char *text, Opts *o,
-                             Arena *arena)
-{
-    size_t n = strcspn(text, ":");
-    char *name = arena_string(arena, text, n);
-    const KindInfo *kind;
-
-    if (!name)
-        return NULL;
-    kind = kind_find_at((Place){ NULL, 0, 0 }, list, what, name);
-    if (!kind)
-        return NULL;
-    opts_default(o, kind->options);
-    return opts_parse(o, name, text[n] ? text + n + 1 : "", arena) ? kind : NULL;
-}
-
 /* A stand-in takes the parameters it knows; the others were meant for another method. */
 static void mark_used(Params *ps)
 {
@@ -48,7 +31,8 @@ static const void *from_setting(const void *list, const char *what, Setting *s,
 static const void *resolve(const void *list, const char *what, const char *text, Setting *s,
                            const char *fallback, Opts *o, Arena *arena)
 {
-    return text ? from_text(list, what, text, o, arena) : from_setting(list, what, s, fallback, o);
+    return text ? kind_from_text(list, what, text, o, arena)
+                : from_setting(list, what, s, fallback, o);
 }
 
 /* The film's table: what a scene file may say of it. */

@@ -30,6 +30,15 @@ Scene *scene_new(void)
     return s;
 }
 
+void scene_drop_accels(Scene *s)
+{
+    for (size_t i = 0; s->accels && i < s->ngeometries; i++)
+        accel_free(s->accels[i]);
+    mem_free(s->accels);
+    s->accels = NULL;
+    s->accel = NULL;
+}
+
 void scene_free(Scene *s)
 {
     if (!s)
@@ -37,8 +46,7 @@ void scene_free(Scene *s)
     for (size_t i = 0; i < s->nlights; i++)
         if (s->lights[i]->kind->clear)
             s->lights[i]->kind->clear(s->lights[i]);
-    for (size_t i = 0; s->accels && i < s->ngeometries; i++)
-        accel_free(s->accels[i]);
+    scene_drop_accels(s);
     for (size_t i = 0; i < s->ngeometries; i++)
         geometry_clear(&s->geometries[i]);
     for (size_t i = 0; i < s->nimages; i++) {
@@ -46,7 +54,6 @@ void scene_free(Scene *s)
         mem_free(s->images[i]);
     }
     mem_free(s->geometries);
-    mem_free(s->accels);
     mem_free(s->materials);
     mem_free(s->lights);
     mem_free(s->infinite);
@@ -188,8 +195,9 @@ static bool prepare_lights(Scene *s)
 }
 
 /* Objects before the world: an object can hold instances only of objects that came before it. */
-bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
+bool scene_build_accels(Scene *s, const AccelKind *kind, const Opts *o, int threads)
 {
+    scene_drop_accels(s);
     s->accels = MEM_ARRAY(Accel *, s->ngeometries);
     if (!s->accels)
         return false;
@@ -199,6 +207,13 @@ bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
     if (!build_geometry(s, 0, kind, o, threads))
         return false;
     s->accel = s->accels[0];
+    return true;
+}
+
+bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
+{
+    if (!scene_build_accels(s, kind, o, threads))
+        return false;
     set_bounds(s);
     return prepare_lights(s);
 }

@@ -151,6 +151,9 @@ bool   scene_add_light(Scene *s, Light *l, uint32_t *index);
 const Image *scene_image(Scene *s, const Making *m, const char *name);
 /* Finishes geometries, builds structures bottom up, prepares lights. */
 bool   scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads);
+/* The structures alone, in place of those that there were. */
+bool   scene_build_accels(Scene *s, const AccelKind *kind, const Opts *o, int threads);
+void   scene_drop_accels(Scene *s);
 
 /* The light that shines from this surface, or NULL. */
 static inline const Light *scene_light_of(const Scene *s, const Surface *hit)
