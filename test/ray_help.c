@@ -187,12 +187,13 @@ float float_before(float x) { return step(x, false); }
 
 const char *const ray_class_names[RAY_CLASSES] = {
     "random", "inside", "axis", "plane", "tiny", "on vertex", "on face", "to vertex", "to edge",
-    "to centre", "grazing", "short", "length", "extreme"
+    "to centre", "grazing", "short", "length", "extreme", "neighbour"
 };
 
 RayMaker ray_maker(const Geometry *g, const Accel *truth, uint64_t seed)
 {
-    RayMaker m = { g, truth, box_empty(), rng_seed(seed) };
+    RayMaker m = { .g = g, .truth = truth, .box = box_empty(), .rng = rng_seed(seed) };
+
     for (uint32_t i = 0; i < geometry_prims(g); i++)
         m.box = box_join(m.box, geometry_box(g, i));
     if (box_is_empty(m.box))
@@ -350,6 +351,26 @@ static Ray cut_short(RayMaker *m)
     return r;
 }
 
+/* Of another class, and then 31 that differ from it by a little, in direction or in origin too, and
+ * that end somewhere else. */
+static Ray neighbour(RayMaker *m)
+{
+    Ray r = m->first;
+    float apart = rng_below(&m->rng, 2) ? 0.02f : 1e-5f;
+
+    if (m->neighbours-- == 0) {
+        m->neighbours = 31;
+        return m->first = ray_make(m, (RayClass)rng_below(&m->rng, RAY_NEIGHBOUR));
+    }
+    r.d = v_mul(r.d, v3(1.0f + apart * rng_unit(&m->rng), 1.0f + apart * rng_unit(&m->rng),
+                        1.0f + apart * rng_unit(&m->rng)));
+    if (rng_below(&m->rng, 4) == 0)
+        r.o = v_mad(v_sub(any_vertex(m), r.o), apart, r.o);
+    if (rng_below(&m->rng, 4) == 0)
+        r.tmax = rng_below(&m->rng, 2) ? 1.0f : 3.0f * rng_unit(&m->rng);
+    return r;
+}
+
 static float power_of_2(RayMaker *m, int lo, int hi)
 {
     int e = lo + (int)rng_below(&m->rng, (uint32_t)(hi - lo + 1));
@@ -384,6 +405,7 @@ Ray ray_make(RayMaker *m, RayClass c)
     case RAY_SHORT:     r = cut_short(m); break;
     case RAY_LENGTH:    r = aim(m, on_face(m)); r.d = v_scale(r.d, power_of_2(m, -60, 60)); break;
     case RAY_EXTREME:   r = aim(m, on_face(m)); r.d = v_scale(r.d, power_of_2(m, -130, 126)); break;
+    case RAY_NEIGHBOUR: r = neighbour(m); break;
     case RAY_CLASSES:   break;
     }
     if (r.d.x == 0.0f && r.d.y == 0.0f && r.d.z == 0.0f)        /* a ray has a direction */

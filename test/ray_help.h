@@ -75,6 +75,7 @@ typedef enum {
     RAY_SHORT,                  /* tmax a step around the distance of a hit */
     RAY_LENGTH,                 /* directions of length 2^-60 .. 2^60 */
     RAY_EXTREME,                /* directions of length 2^-130 .. 2^126 */
+    RAY_NEIGHBOUR,              /* near the one before it, but for every 32nd; of many kinds */
     RAY_CLASSES
 } RayClass;
 extern const char *const ray_class_names[RAY_CLASSES];
@@ -84,6 +85,8 @@ typedef struct {
     const Accel *truth;         /* borrowed; for RAY_SHORT */
     Box box;
     Rng rng;
+    Ray first;                  /* of the neighbours */
+    int neighbours;             /* still to come */
 } RayMaker;
 
 RayMaker ray_maker(const Geometry *g, const Accel *truth, uint64_t seed);

@@ -106,6 +106,13 @@ INLINE F8 node_planes(const Wide *w, bool lean, Below at, int axis, int place)
                   f8_mul(f8_load_u8(n->plane[0][0] + place), f8_all(n->step[axis])));
 }
 
+/* One of them. */
+INLINE float node_plane(const Wide *w, bool lean, Below at, int axis, int place)
+{
+    return lean ? lean_plane(&w->small[at], axis, *(w->small[at].plane[0][0] + place))
+                : *(w->fast[at].plane[0][0] + place);
+}
+
 /* Bit k: the ray enters the box of child k before it leaves it and not beyond tmax; lane k of *near
  * says where. The arithmetic of each lane is that of slabs() in geometry/ray.h. */
 INLINE int node_enter(const Wide *w, bool lean, Below at, const NodeProbe *q, float tmax, F8 *near)
@@ -190,5 +197,12 @@ enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
 /* The batched queries of accel.h, see widemany.c. */
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
 void wide_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
+
+/* The same of so many rays that go the same way, see widegroup.c; and whether they do. w has
+ * leaves. */
+enum { WIDE_GROUP = 16 };
+bool wide_group_coheres(const Ray *r);
+void wide_group_nearest(const Wide *w, const Ray *r, Hit *h, bool *hit);
+void wide_group_blocked(const Wide *w, const Ray *r, bool *blocked);
 
 #endif

@@ -98,7 +98,7 @@ INLINE void step_node(Walk *x, const Wide *w, bool lean, bool any)
 }
 
 /* h is NULL where any hit will do. */
-INLINE void many(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
+INLINE void fly(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
 {
     Walk walk[FLIGHT];
     Queue nodes, leaves;
@@ -149,6 +149,24 @@ INLINE void many(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool 
             leaves.n += !is_node(x->at);
         }
     }
+}
+
+/* Rays that go the same way as their neighbours fly as a group, the others run by run. */
+INLINE void many(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
+{
+    size_t from = 0, at = 0;
+
+    for (; at + WIDE_GROUP <= n; at += WIDE_GROUP) {
+        if (!wide_group_coheres(r + at))
+            continue;
+        fly(w, lean, any, r + from, any ? NULL : h + from, hit + from, at - from);
+        if (any)
+            wide_group_blocked(w, r + at, hit + at);
+        else
+            wide_group_nearest(w, r + at, h + at, hit + at);
+        from = at + WIDE_GROUP;
+    }
+    fly(w, lean, any, r + from, any ? NULL : h + from, hit + from, n - from);
 }
 
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n)

@@ -24,10 +24,11 @@ INLINE float f4_lane(F4 a, int k) { return a[k]; }
 
 /* Four floats at an address that is a multiple of 16. */
 INLINE F4 f4_load(const float *p) { return *(const F4 *)p; }
-/* The same at any address. */
+/* The same at any address; and three floats, the last of them twice. */
 typedef float F4Any __attribute__((vector_size(16), aligned(4)));
 INLINE F4 f4_load_any(const float *p) { return *(const F4Any *)p; }
 INLINE void f4_store_any(float *p, F4 a) { *(F4Any *)p = a; }
+INLINE F4 f4_load_three(const float *p) { return (F4){ p[0], p[1], p[2], p[2] }; }
 
 typedef int F4Bits __attribute__((vector_size(16)));
 INLINE F4 f4_abs(F4 a) { return (F4)((F4Bits)a & 0x7FFFFFFF); }
@@ -132,6 +133,7 @@ INLINE int f4_at_most(F4 a, F4 b)
 }
 INLINE F4 f4_load(const float *p) { return f4(p[0], p[1], p[2], p[3]); }
 INLINE F4 f4_load_any(const float *p) { return f4_load(p); }
+INLINE F4 f4_load_three(const float *p) { return f4(p[0], p[1], p[2], p[2]); }
 INLINE void f4_store_any(float *p, F4 a) { for (int k = 0; k < 4; k++) p[k] = a.v[k]; }
 INLINE void f4_transpose(F4 a, F4 b, F4 c, F4 d, F4 row[3])
 {
