@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { BINS = 16, FEW = 24, BINS_FEW = 8 };
+enum { BINS = 16, FEW = 24, BINS_FEW = 8, MANY = 256 };
 
 void refs_init(Ref *refs, const Geometry *g)
 {
@@ -201,49 +201,87 @@ static void best_cut(const Bin *bins, int count, size_t block, int axis, Cut *be
     }
 }
 
+static void bins_empty(const Bins *b, Bin bins[3][BINS])
+{
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < b->count; i++)
+            bins[k][i] = (Bin){ bounds_none(), 0 };
+}
+
+INLINE void bins_add(const Bins *b, Bin bins[3][BINS], const Ref *r)
+{
+    F4 lo = ref_lo(r), hi = ref_hi(r), at = bins_at(b, middle(lo, hi));
+
+    for (int k = 0; k < 3; k++) {
+        Bin *bin = &bins[k][(int)f4_lane(at, k)];
+        bounds_join(&bin->bounds, lo, hi);
+        bin->n++;
+    }
+}
+
+/* Neighbours often are in the same bin, and would wait for each other: of many refs every second
+ * goes to bins of its own, which are joined in the end. */
+static void fill_bins(const Ref *refs, size_t n, const Bins *b, Bin bins[3][BINS])
+{
+    Bin second[3][BINS];
+    size_t pairs = n > MANY ? n / 2 : 0;
+
+    bins_empty(b, bins);
+    for (size_t r = 2 * pairs; r < n; r++)
+        bins_add(b, bins, &refs[r]);
+    if (!pairs)
+        return;
+    bins_empty(b, second);
+    for (size_t r = 0; r < 2 * pairs; r += 2) {
+        bins_add(b, bins, &refs[r]);
+        bins_add(b, second, &refs[r + 1]);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < b->count; i++) {
+            bounds_join(&bins[k][i].bounds, second[k][i].bounds.lo, second[k][i].bounds.hi);
+            bins[k][i].n += second[k][i].n;
+        }
+}
+
 static Cut find_cut(const Ref *refs, size_t n, const Bins *b, size_t block)
 {
     Cut best = { INFINITY, -1, 0, { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 0 } } };
     Bin bins[3][BINS];
 
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < b->count; i++)
-            bins[k][i] = (Bin){ bounds_none(), 0 };
-    for (size_t r = 0; r < n; r++) {
-        F4 lo = ref_lo(&refs[r]), hi = ref_hi(&refs[r]), at = bins_at(b, middle(lo, hi));
-        for (int k = 0; k < 3; k++) {
-            Bin *bin = &bins[k][(int)f4_lane(at, k)];
-            bounds_join(&bin->bounds, lo, hi);
-            bin->n++;
-        }
-    }
+    fill_bins(refs, n, b, bins);
     for (int k = 0; k < 3; k++)
         if (f4_lane(b->scale, k) > 0.0f)
             best_cut(bins[k], b->count, block, k, &best);
     return best;
 }
 
+static Box centres_of(const Ref *refs, size_t n)
+{
+    Bounds all = bounds_none();
+
+    for (size_t i = 0; i < n; i++) {
+        F4 c = middle(ref_lo(&refs[i]), ref_hi(&refs[i]));
+        bounds_join(&all, c, c);
+    }
+    return bounds_box(all);
+}
+
 /* Puts what lies left of the cut before what does not; returns how many the former are. */
 static size_t divide_at(Ref *refs, size_t n, const Bins *b, const Cut *c, Extent half[2])
 {
-    Bounds centres[2] = { bounds_none(), bounds_none() };
-    size_t i = 0, j = n;
+    size_t k = 0;
 
-    while (i < j) {
+    for (size_t i = 0; i < n; i++) {            /* no branch: it would be taken at random */
         F4 centre = middle(ref_lo(&refs[i]), ref_hi(&refs[i]));
-        if ((int)f4_lane(bins_at(b, centre), c->axis) < c->cut) {
-            bounds_join(&centres[0], centre, centre);
-            i++;
-        } else {
-            Ref swap = refs[i];
-            refs[i] = refs[--j];
-            refs[j] = swap;
-            bounds_join(&centres[1], centre, centre);
-        }
+        int left = (int)f4_lane(bins_at(b, centre), c->axis) < c->cut;
+        Ref swap = refs[i];
+        refs[i] = refs[k];
+        refs[k] = swap;
+        k += (size_t)left;
     }
-    half[0] = (Extent){ c->left, bounds_box(centres[0]) };
-    half[1] = (Extent){ c->right, bounds_box(centres[1]) };
-    return i;
+    half[0] = (Extent){ c->left, centres_of(refs, k) };
+    half[1] = (Extent){ c->right, centres_of(refs + k, n - k) };
+    return k;
 }
 
 size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, size_t block,
