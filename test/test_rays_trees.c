@@ -236,6 +236,50 @@ static void arranged(void)
     }
 }
 
+/* ---- threads ---- */
+
+/* The tree, as far as rays can tell: what it costs them. */
+static Steps costs(const Setting *s, int threads, size_t *bytes)
+{
+    Mesh m = { 0 };
+    Geometry g;
+    Accel *a;
+    Rng rng = rng_seed(46);
+    Steps steps = { 0, 0 };
+
+    REQUIRE(mesh_bumpy(&m, 60, 5), "memory");
+    geometry_of(&g, &m);
+    a = accel_build(s->kind, &g, &s->opts, threads);
+    REQUIRE(a != NULL, "%s cannot be built", s->name);
+    *bytes = a->bytes;
+    for (int i = 0; i < 3000; i++) {
+        Ray r = { .tmax = INFINITY };
+        Hit h;
+        r.o = v_scale(rng_direction(&rng), 3.0f);
+        r.d = v_sub(v_scale(rng_direction(&rng), 0.9f), r.o);
+        a->kind->nearest(a, &r, &h, &steps);
+    }
+    check_tree(s, a, "threads");
+    accel_free(a);
+    geometry_clear(&g);
+    return steps;
+}
+
+/* However many threads build it, it is the same tree. */
+static void threads(void)
+{
+    for (const Setting *s = settings_usual(); s->kind; s++) {
+        size_t one, many;
+        Steps a, b;
+        if (!strcmp(s->kind->info.name, "brute"))
+            continue;
+        a = costs(s, 1, &one);
+        b = costs(s, 7, &many);
+        EXPECT(one == many && a.nodes == b.nodes && a.prims == b.prims,
+               "%s: another tree with seven threads", s->name);
+    }
+}
+
 /* ---- input made to be hard ---- */
 
 /* Triangle i of n as small as 1 at place(i, n) on a line along (1, 1, 1). */
@@ -444,6 +488,7 @@ static void out_of_memory(void)
 
 const TestCase test_rays_trees[] = {
     { "large", large, false }, { "small", small, false }, { "arranged", arranged, false },
+    { "threads", threads, false },
     { "orders", orders, false }, { "nested", nested, false },
     { "equal_boxes", equal_boxes, false }, { "noticed", noticed, false },
     { "garbage", garbage, false }, { "out_of_memory", out_of_memory, false },

@@ -11,7 +11,8 @@
 #include "base/mem.h"
 #include "base/work.h"
 
-enum { ENOUGH = 2, PARTS = 16, PART_LEAST = 4096 };
+/* The lean form tests four triangles at a time. */
+enum { ENOUGH = 2, LEAN_BLOCK = 4, PARTS = 16, PART_LEAST = 4096 };
 
 /* Some refs, what they are like, and how deep. */
 typedef struct { Extent extent; uint32_t first, count; int depth; } Run;
@@ -58,7 +59,7 @@ static void split_run(const Build *b, Run *r, Run *right)
     int depth = r->depth + 1;
 
     if (r->depth < REFS_DEPTH_SAH)
-        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, LEAF, half);
+        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, b->wide->lean ? LEAN_BLOCK : LEAF, half);
     else {
         k = (uint32_t)refs_split_median(refs, count, r->extent.centres);
         half[0] = refs_extent(refs, k);
