@@ -13,6 +13,32 @@ typedef struct {
     float distance;             /* scene units */
 } Ao;
 
+enum { BATCH = 32 };
+
+/* How many of n rays into the hemisphere of the surface, the first of them sample `first`, get
+ * away. */
+static int open_ways(const Ao *it, const Surface *s, const Frame *frame, int first, int n,
+                     Tracer *t)
+{
+    Ray ray[BATCH];
+    bool blocked[BATCH];
+    size_t rays = 0;
+    int open = 0;
+
+    for (int i = first; i < first + n; i++) {
+        V2 u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, i));
+        V3 d = frame_out(frame, warp_cosine(u));
+        if (v_dot(d, s->ng) <= 0.0f)
+            continue;
+        ray[rays++] = (Ray){ .o = ray_origin(s->p, s->err, s->ng, d), .d = d,
+                             .tmax = it->distance };
+    }
+    tracer_blocked_many(t, ray, blocked, rays);
+    for (size_t i = 0; i < rays; i++)
+        open += !blocked[i];
+    return open;
+}
+
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Ao *it = (const Ao *)base;
@@ -29,16 +55,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         s.ng = v_neg(s.ng);
     }
     frame = frame_about(s.ns);
-    for (int i = 0; i < it->samples; i++) {
-        V2 u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, i));
-        Ray out;
-        out.d = frame_out(&frame, warp_cosine(u));
-        if (v_dot(out.d, s.ng) <= 0.0f)
-            continue;
-        out.o = ray_origin(s.p, s.err, s.ng, out.d);
-        out.tmax = it->distance;
-        open += !tracer_blocked(t, &out);
-    }
+    for (int i = 0; i < it->samples; i += BATCH)
+        open += open_ways(it, &s, &frame, i, it->samples - i < BATCH ? it->samples - i : BATCH, t);
     return rgb_all((float)open / (float)it->samples);
 }
 

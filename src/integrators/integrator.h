@@ -41,6 +41,11 @@ INLINE bool tracer_blocked(Tracer *t, const Ray *r)
     t->rays++;
     return accel_blocked(t->scene->accel, r);
 }
+INLINE void tracer_blocked_many(Tracer *t, const Ray *r, bool *blocked, size_t n)
+{
+    t->rays += n;
+    accel_blocked_many(t->scene->accel, r, blocked, n);
+}
 /* The ray that tells whether anything stands between the surface point and the light's. */
 INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
 {
