@@ -99,10 +99,17 @@ const Setting *settings_all(void)
 
 const Setting *settings_usual(void)
 {
+    static const struct { const char *kind, *key, *value; } small[] = {
+        { "lbvh", "bits", "8" }, { "wide", "form", "lean" }
+    };
     size_t n = 0;
     for (int i = 0; accels[i]; i++)
         if (strcmp(accels[i]->info.name, "brute"))
             usual[n++] = as_it_comes(accels[i]);
+    for (size_t i = 0; i < sizeof small / sizeof *small; i++) {
+        usual[n] = as_it_comes(kind_find(accels, small[i].kind));
+        set(&usual[n++], small[i].key, small[i].value);
+    }
     usual[n++] = *setting_brute();
     usual[n].kind = NULL;
     return usual;

@@ -215,7 +215,7 @@ static Accel *place(const Setting *s, void (*make)(Mesh *m), const Where *p, Geo
     make(&m);
     mesh_place(&m, p->scale, p->offset);
     geometry_of(g, &m);
-    return setting_build(s, g);
+    return setting_arrange(s, g);
 }
 
 static void shoot_bodies(const Setting *s, const Body *b, const Body *end, uint32_t rays)
