@@ -84,7 +84,7 @@ static void expect_sizes(const Setting *s, const Accel *a, uint32_t n, size_t by
         want += complete_nodes((count + leaf - 1) / leaf, (uint64_t)opt_int(&s->opts, "arity"));
     }
     headers = sizeof(Forest) + pieces * (sizeof(Tree) + sizeof(uint32_t)) +
-              top * sizeof(SkipNode) + FOREST_PAD;
+              top * sizeof(SkipNode) + SIBLINGS_PAD;
     EXPECT(a->nodes == want, "%s has %lu nodes for %lu triangles, expected %lu", s->name,
            (unsigned long)a->nodes, (unsigned long)n, (unsigned long)want);
     EXPECT(a->bytes == headers + (want - top - pieces) * (wide ? 12 : 6),
