@@ -280,7 +280,7 @@ static bool item_hits(const Forest *f, uint32_t item, const Ray *r, const Probe 
         return tree_hits(f, &f->trees[item], p, h, any, steps);
     if (steps)
         steps->prims++;
-    return prim_meets(f->base.geo, (uint32_t)(f->base.geo->ntris + item - f->ntrees), r, p, h, any,
+    return prim_meets(&f->base, (uint32_t)(f->base.geo->ntris + item - f->ntrees), r, p, h, any,
                       steps) && any;
 }
 

@@ -53,6 +53,11 @@ static void encode_trees(Forest *f)
 
 static int bits_of(const Opts *o) { return opt_is(o, "bits", "8") ? 8 : 16; }
 
+static RegularForm regular(const Opts *o)
+{
+    return (RegularForm){ bits_of(o), (uint32_t)opt_int(o, "leaf") };
+}
+
 static Accel *build(const Geometry *g, const Opts *o, int threads)
 {
     Forest *f = forest_new(g, forest_form(o), bits_of(o), "lbvh");
@@ -131,5 +136,5 @@ const AccelKind accel_lbvh = {
     .info = { "lbvh", "Cline07 3.3", "complete trees without pointers, planes of 16 or 8 bits",
               options },
     .arrange = arrange, .build = build, .nearest = nearest, .blocked = blocked,
-    .validate = validate, .free = forest_free
+    .validate = validate, .regular = regular, .free = forest_free
 };
