@@ -44,6 +44,7 @@
     { "shape/hyperboloid", 0xAD778212BE7EFF93 },
     { "shape/bilinearmesh", 0xBCB2865EDEE27E19 },
     { "shape/heightfield", 0xF7ED7BA91FDC1351 },
+    { "shape/geometryimage", 0xC4427C021513B5F3 },
     { "camera/perspective", 0x30C386BF437B246F },
     { "format/pfm", 0x86ACA177951E7B19 },
     { "format/hdr", 0xDC706070AC575C20 },

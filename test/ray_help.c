@@ -139,7 +139,7 @@ bool setting_is_forest(const Setting *s)
 
 uint64_t prims_most(const Accel *a)
 {
-    uint64_t n = geometry_prims(a->geo);
+    uint64_t n = geometry_prims(a->geo) + a->geo->nfaces;
     return a->refs > n ? a->refs : n;
 }
 
@@ -231,7 +231,10 @@ static void corners_within(RayMaker *m, const Geometry *g, V3 c[3])
 
     if (n && geometry_is_tri(g, prim))
         geometry_corners(g, prim, c);
-    else if (s && s->kind == SHAPE_INSTANCE) {
+    else if (s && s->kind == SHAPE_TESSELLATION) {
+        const Tessellation *t = s->as.tessellation;
+        tessellation_corners(t, rng_below(&m->rng, tessellation_faces(t)), c);
+    } else if (s && s->kind == SHAPE_INSTANCE) {
         corners_within(m, s->as.instance.accel->geo, c);
         for (int k = 0; k < 3; k++)
             c[k] = affine_point(&s->as.instance.to_world, c[k]);

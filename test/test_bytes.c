@@ -64,6 +64,7 @@ static const struct { const char *kind, *params; } NEEDS[] = {
                     "\"integer indices\" [ 0 2 1  0 1 3  1 2 3  2 0 3 ]" },
     { "heightfield", "\"integer nu\" 3 \"integer nv\" 3 "
                      "\"float Pz\" [ 0 .3 .1 .7 .2 .5 0 .4 .9 ]" },
+    { "geometryimage", "\"float radius\" 0.8 \"integer side\" 12" },
     { "bilinearmesh", "\"point3 P\" [ -1 -0.3 0  1 -0.3 0.3  -1 0.4 1.5  1 0.4 1.1 ]" },
     { "hyperboloid", "\"point3 p1\" [ 0.7 0 0 ] \"point3 p2\" [ 0 0.7 1.2 ]" },
     { "cone", "\"float radius\" 0.8" }, { "paraboloid", "\"float radius\" 0.9" },

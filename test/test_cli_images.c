@@ -53,9 +53,9 @@ static void info_scenes(void)
 {
     cli_scene();
     expect_begins("tiny.pbrt", "world          6 triangles, 9 vertices\n"
-                               "shapes         2 meshes, 1 spheres, 0 disks, 0 instances\n");
+                               "shapes         2 meshes, 1 spheres, 0 disks, 0 tessellations, 0 ");
     expect_begins("roof.ply", "world          4 triangles, 5 vertices\n"
-                              "shapes         1 meshes, 0 spheres, 0 disks, 0 instances\n");
+                              "shapes         1 meshes, 0 spheres, 0 disks, 0 tessellations, 0 ");
     cli_write_text("room.obj", "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\n"
                                "f 1 2 3\nv 0 0 1\nf 1 2 4\n");
     cli_write_text("room.mtl", "newmtl red\nKd 1 0 0\n");
@@ -67,7 +67,12 @@ static void info_scenes(void)
                                   "ObjectInstance \"a\"\n");
     expect_begins("object.pbrt", "world          0 triangles, 0 vertices\n"
                                  "object 1       0 triangles, 0 vertices\n"
-                                 "shapes         0 meshes, 1 spheres, 1 disks, 2 instances\n");
+                                 "shapes         0 meshes, 1 spheres, 1 disks, 0 tessellations, "
+                                 "2 instances\n");
+    cli_write_text("field.pbrt", "WorldBegin Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" "
+                                 "2\n\"float Pz\" [ 0 1 2 3 4 5 ]\n");
+    expect_begins("field.pbrt", "world          4 triangles, 6 vertices\n"
+                                "shapes         0 meshes, 0 spheres, 0 disks, 1 tessellations, ");
 }
 
 /* ---- compare ---- */

@@ -190,6 +190,7 @@ static void triangle_errors(void)
         memset(&g, 0, sizeof g);
         g.p = c;
         g.tri = &tri;
+        g.ntris = 1;
         geometry_point(&g, 0, w.y, w.z, &p, &err);
         normal = d3_cross(d3_sub(d3(c[1]), d3(c[0])), d3_sub(d3(c[2]), d3(c[0])));
         off += !(fabs(d3_dot(normal, d3_sub(d3(p), d3(c[0])))) <= d3_reach(normal, d3(err)));

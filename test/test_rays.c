@@ -6,6 +6,7 @@
 #include "test/ray_help.h"
 
 #include "base/file.h"
+#include "geometry/image_shapes.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -172,7 +173,7 @@ static void shoot_mesh(const char *name, Mesh *mesh, uint64_t rays, uint64_t see
     t.brute = setting_build(setting_brute(), &g);
     for (int k = 0; t.setting[k].kind; k++) {
         t.accel[k] = setting_build(&t.setting[k], &g);
-        EXPECT(t.accel[k]->kind->validate(t.accel[k], why, sizeof why), "%s, %s: %s", name,
+        EXPECT(accel_validate(t.accel[k], why, sizeof why), "%s, %s: %s", name,
                t.setting[k].name, why);
     }
     shoot(&t, rays, seed);
@@ -295,6 +296,23 @@ static void add_mesh(Geometry *g, const ZooMesh *z)
     REQUIRE(geometry_add_mesh(g, &m, plain, NULL), "memory");
 }
 
+/* Height fields, and geometry images in the same place. */
+static void add_tessellations(Geometry *g, Rng *rng, float reach)
+{
+    Transform place = random_map(rng, 1.0, reach), field = random_map(rng, 1.0, reach);
+    Tessellation t;
+
+    for (int twice = 0; twice < 2; twice++) {
+        REQUIRE(image_sphere(&t, (ImageForm){ false, 5, 16, &place }, 0.8f) &&
+                geometry_add_tessellation(g, &t, plain, NULL), "memory");
+        REQUIRE(tessellation_init(&t, twice, 6, 6, &field), "memory");
+        for (size_t i = 0; i < tessellation_points(&t); i++)
+            t.values[i] = rng_unit(rng);
+        REQUIRE(tessellation_finish(&t, 32) && geometry_add_tessellation(g, &t, plain, NULL),
+                "memory");
+    }
+}
+
 static void add_instances(Geometry *g, uint32_t child, int n, Rng *rng, double stretch, float reach)
 {
     for (int i = 0; i < n; i++) {
@@ -319,8 +337,8 @@ static void add_twins(Scene *sc, uint32_t child, Rng *rng, double stretch, float
             geometry_add_instance(&sc->geometries[0], child, &t, NULL), "memory");
 }
 
-/* Geometry 1: a mesh, spheres, discs. 2: a mesh. 3: bricks. 0, the world: all of it and more.
- * `order` may be a setting whose order of triangles brute is to have, too. */
+/* Geometry 1: a mesh, spheres, discs, tessellations. 2: a mesh. 3: bricks. 0, the world: all of it
+ * and more. `order` may be a setting whose order of triangles brute is to have, too. */
 static Scene *world(const Setting *s, const Setting *order, double stretch, float reach)
 {
     Scene *sc = scene_new();
@@ -330,11 +348,13 @@ static Scene *world(const Setting *s, const Setting *order, double stretch, floa
             scene_add_geometry(sc, NULL), "memory");
     add_mesh(&sc->geometries[1], &zoo_tame[7]);
     add_odd(&sc->geometries[1], &rng, 1.0f);
+    add_tessellations(&sc->geometries[1], &rng, 1.0f);
     add_mesh(&sc->geometries[2], &zoo_tame[1]);
     add_mesh(&sc->geometries[3], &zoo_wild[11]);
     add_mesh(&sc->geometries[0], &zoo_tame[3]);
     add_mesh(&sc->geometries[0], &zoo_wild[4]);
     add_odd(&sc->geometries[0], &rng, 2.0f);
+    add_tessellations(&sc->geometries[0], &rng, reach);
     add_instances(&sc->geometries[0], 1, 4, &rng, stretch, reach);
     add_instances(&sc->geometries[0], 2, 4, &rng, stretch, reach);
     add_twins(sc, 3, &rng, stretch, reach);

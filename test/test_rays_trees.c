@@ -13,7 +13,7 @@ enum { DEPTH_MOST = 80 };       /* the stacks of queries are sized by it */
 static void check_tree(const Setting *s, const Accel *a, const char *what)
 {
     char why[120] = "";
-    EXPECT(a->kind->validate(a, why, sizeof why), "%s, %s: %s", s->name, what, why);
+    EXPECT(accel_validate(a, why, sizeof why), "%s, %s: %s", s->name, what, why);
     EXPECT(a->depth >= 0 && a->depth <= DEPTH_MOST, "%s, %s: depth %d", s->name, what, a->depth);
     EXPECT(a->leaves <= a->nodes || a->leaves <= geometry_prims(a->geo) + (uint64_t)1,
            "%s, %s: %lu leaves of %lu primitives", s->name, what, (unsigned long)a->leaves,
@@ -84,7 +84,7 @@ static void expect_sizes(const Setting *s, const Accel *a, uint32_t n, size_t by
         want += complete_nodes((count + leaf - 1) / leaf, (uint64_t)opt_int(&s->opts, "arity"));
     }
     headers = sizeof(Forest) + pieces * (sizeof(Tree) + sizeof(uint32_t)) +
-              top * sizeof(SkipNode) + FOREST_PAD;
+              top * sizeof(SkipNode) + SIBLINGS_PAD;
     EXPECT(a->nodes == want, "%s has %lu nodes for %lu triangles, expected %lu", s->name,
            (unsigned long)a->nodes, (unsigned long)n, (unsigned long)want);
     EXPECT(a->bytes == headers + (want - top - pieces) * (wide ? 12 : 6),
@@ -359,7 +359,7 @@ static void equal_boxes(void)
 static void expect_noticed(const Setting *s, const Accel *a, const char *what)
 {
     char why[120] = "";
-    EXPECT(!a->kind->validate(a, why, sizeof why), "%s did not notice: %s", s->name, what);
+    EXPECT(!accel_validate(a, why, sizeof why), "%s did not notice: %s", s->name, what);
     EXPECT(why[0] && !strchr(why, '\n'), "%s gave no reason: %s", s->name, what);
 }
 

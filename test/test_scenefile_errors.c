@@ -124,6 +124,20 @@ static const Fault faults[] = {
     { 1, 68, "nu times nv",
       "WorldBegin Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2       "
       "\"float Pz\" [1 2 3]" },
+    { 1, 12, "\"integer nu\" and \"integer nv\" alike",
+      "WorldBegin Shape \"heightfield\" \"string subdivision\" \"triangular\" \"integer nu\" 2 "
+      "\"integer nv\" 3 \"float Pz\" [1 2 3]" },
+    { 1, 96, "nu times nu + 1 by 2",
+      "WorldBegin Shape \"heightfield\" \"string subdivision\" \"triangular\" \"integer nu\" 2 "
+      "\"integer nv\" 2 \"float Pz\" [1 2 3 4]" },
+    { 1, 12, "a torus has no such image",
+      "WorldBegin Shape \"geometryimage\" \"string surface\" \"torus\" \"integer side\" 2" },
+    { 1, 12, "the torus meets itself",
+      "WorldBegin Shape \"geometryimage\" \"string surface\" \"torus\" \"float minorradius\" 1" },
+    { 1, 12, "the curved shapes of the scene become more than",
+      "WorldBegin Shape \"geometryimage\" \"integer side\" 99999" },
+    { 1, 36, "the point 0 is not finite",
+      "WorldBegin Scale 1e30 1e30 1e30    Shape \"geometryimage\" \"float radius\" 1e20" },
     /* names and files */
     { 1, 9, "none.pbrt cannot be found", "Include \"none.pbrt\"" },
     { 1, 9, "the name of the file in quotes", "Include none" },

@@ -195,7 +195,10 @@ static void other_shapes(void)
     bool on = true;
 
     REQUIRE(g->nshapes == 4, "four shapes");
-    EXPECT(g->shapes[0].count == 4 && v_equal(g->p[4], v3(0.5f, 1, 4)), "height field");
+    REQUIRE(g->shapes[0].kind == SHAPE_TESSELLATION, "height field");
+    EXPECT(tessellation_faces(g->shapes[0].as.tessellation) == 4 &&
+           v_equal(tessellation_point(g->shapes[0].as.tessellation, 1, 1), v3(0.5f, 1, 4)),
+           "point of a height field");
     EXPECT(g->shapes[1].count == 2, "a parallelogram is two triangles");
     EXPECT(g->shapes[2].count == 2 * 2 * 16 * 16, "two patches of 16 x 16");
     for (size_t v = g->shapes[2].first_vertex; v < g->shapes[2].first_vertex + 17u * 17; v++)

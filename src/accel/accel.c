@@ -3,6 +3,8 @@
 #include "accel/accel.h"
 
 #include "accel/prim.h"
+#include "accel/regular.h"
+#include "base/mem.h"
 
 #include <stdio.h>
 
@@ -19,27 +21,69 @@
 ACCELS(DECLARE)
 const AccelKind *const accels[] = { ACCELS(ENTRY) NULL };
 
-static Accel *of_kind(Accel *a, const AccelKind *kind)
+static const Tessellation *tessellation_of(const Geometry *g, size_t i)
 {
-    if (a)
-        a->kind = kind;
+    return g->shapes[g->tessellated[i]].as.tessellation;
+}
+
+static bool bound_tessellations(Accel *a, RegularForm form)
+{
+    const Geometry *g = a->geo;
+
+    a->regular = MEM_ARRAY(Regular *, g->ntessellated);
+    for (size_t i = 0; a->regular && i < g->ntessellated; i++) {
+        Regular *r = a->regular[i] = regular_new(tessellation_of(g, i), form);
+        if (!r)
+            return false;
+        a->bytes += sizeof *a->regular + regular_bytes(r);
+        a->nodes += regular_nodes(r);
+        a->leaves += regular_leaves(r);
+    }
+    return a->regular != NULL;
+}
+
+static Accel *finish(Accel *a, const AccelKind *kind, const Opts *o)
+{
+    RegularForm usual = { 16, 4 };
+
+    if (!a)
+        return NULL;
+    a->kind = kind;
+    if (!kind->plain && a->geo->ntessellated &&
+        !bound_tessellations(a, kind->regular ? kind->regular(o) : usual)) {
+        accel_free(a);
+        return NULL;
+    }
     return a;
 }
 
 Accel *accel_build(const AccelKind *kind, Geometry *g, const Opts *o, int threads)
 {
-    return of_kind(kind->arrange ? kind->arrange(g, o, threads) : kind->build(g, o, threads), kind);
+    return finish(kind->arrange ? kind->arrange(g, o, threads) : kind->build(g, o, threads), kind,
+                  o);
 }
 
 Accel *accel_build_as_is(const AccelKind *kind, const Geometry *g, const Opts *o, int threads)
 {
-    return of_kind(kind->build(g, o, threads), kind);
+    return finish(kind->build(g, o, threads), kind, o);
 }
 
 void accel_free(Accel *a)
 {
-    if (a)
-        a->kind->free(a);
+    if (!a)
+        return;
+    for (size_t i = 0; a->regular && i < a->geo->ntessellated; i++)
+        regular_free(a->regular[i]);
+    mem_free(a->regular);
+    a->kind->free(a);
+}
+
+bool accel_validate(const Accel *a, char *why, size_t room)
+{
+    for (size_t i = 0; a->regular && i < a->geo->ntessellated; i++)
+        if (!regular_validate(a->regular[i], why, room))
+            return false;
+    return a->kind->validate(a, why, room);
 }
 
 void accel_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n)
@@ -121,9 +165,25 @@ static bool instance_blocks(const Instance *in, const Ray *r, const Probe *p, St
            in->accel->kind->blocked(in->accel, &local, steps);
 }
 
-bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Hit *h,
-                 Steps *steps)
+/* Of equal t the smaller primitive, and within the tessellation the smaller triangle. */
+static bool tessellation_hits(const Accel *a, const Tessellation *t, uint32_t prim, const Probe *p,
+                              Hit *h, bool any, Steps *steps)
 {
+    Hit inner;
+
+    inner.t = h->t;
+    inner.outer = prim < h->outer ? NO_PRIM : 0;        /* 0: none is smaller */
+    if (!regular_hits(a->regular ? a->regular[t->index] : NULL, t, p, &inner, any, steps))
+        return false;
+    *h = inner;
+    h->outer = prim;
+    h->prim = t->first_face + inner.prim;
+    return true;
+}
+
+bool odd_nearest(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Hit *h, Steps *steps)
+{
+    const Geometry *g = a->geo;
     const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
     float t = 0.0f;
     Box box;
@@ -132,6 +192,8 @@ bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p,
     case SHAPE_SPHERE:   t = sphere_cross(&s->as.sphere, r); break;
     case SHAPE_DISK:     t = disk_cross(&s->as.disk, r); break;
     case SHAPE_INSTANCE: return instance_nearest(&s->as.instance, r, p, prim, h, steps);
+    case SHAPE_TESSELLATION:
+        return tessellation_hits(a, s->as.tessellation, prim, p, h, false, steps);
     case SHAPE_MESH:     break;
     }
     if (!(t > 0.0f))
@@ -147,8 +209,9 @@ bool odd_nearest(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p,
     return true;
 }
 
-bool odd_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, Steps *steps)
+bool odd_blocks(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Steps *steps)
 {
+    const Geometry *g = a->geo;
     const Shape *s = &g->shapes[g->odd[prim - g->ntris]];
     Hit h;
 
@@ -156,7 +219,9 @@ bool odd_blocks(const Geometry *g, uint32_t prim, const Ray *r, const Probe *p, 
         return instance_blocks(&s->as.instance, r, p, steps);
     h.t = r->tmax;
     h.outer = NO_PRIM;
-    return odd_nearest(g, prim, r, p, &h, steps);
+    if (s->kind == SHAPE_TESSELLATION)
+        return tessellation_hits(a, s->as.tessellation, prim, p, &h, true, steps);
+    return odd_nearest(a, prim, r, p, &h, steps);
 }
 
 /* ---- surfaces ---- */
@@ -197,7 +262,7 @@ void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
         geometry_surface(g, r, h, s);
         return;
     }
-    top = &g->shapes[g->odd[h->outer - g->ntris]];
+    top = geometry_shape(g, h->outer);
     if (top->kind != SHAPE_INSTANCE) {
         geometry_surface(g, r, h, s);
         return;

@@ -16,8 +16,13 @@ typedef struct Accel Accel;
 /* What a query did, for statistics and for tests that no loop runs away. */
 typedef struct { uint64_t nodes, prims; } Steps;
 
+/* Boxes over a tessellation: bits of a plane, 16 or 8, and most triangles of a leaf. */
+typedef struct { int bits; uint32_t leaf; } RegularForm;
+typedef struct Regular Regular;
+
 typedef struct {
     KindInfo info;
+    bool plain;                 /* no structure over tessellations either: a loop */
 
     /* Over the primitives of g, which stays borrowed and must be finished. NULL: reported. */
     Accel *(*build)(const Geometry *g, const Opts *o, int threads);
@@ -42,12 +47,16 @@ typedef struct {
      * reached exactly once. False: *why says which failed. */
     bool (*validate)(const Accel *a, char *why, size_t room);
 
+    /* How boxes over tessellations are to be (see regular.h); NULL: with 16 bits, leaf = 4. */
+    RegularForm (*regular)(const Opts *o);
+
     void (*free)(Accel *a);
 } AccelKind;
 
 struct Accel {                  /* first member of every concrete structure */
     const AccelKind *kind;
     const Geometry  *geo;       /* borrowed: outlives the structure */
+    Regular **regular;          /* owned; by tessellation of geo; NULL where the kind is plain */
     size_t   bytes;             /* of the structure alone, without the geometry */
     uint64_t nodes, leaves;
     uint64_t refs;              /* primitives in leaves, if one may stand in several; else 0. No
@@ -58,7 +67,8 @@ struct Accel {                  /* first member of every concrete structure */
 extern const AccelKind *const accels[];         /* ends with NULL */
 #define ACCEL_DEFAULT "wide"
 
-/* arrange() where there is one, else build(); and build(). NULL: reported. */
+/* arrange() where there is one, else build(); and build(). With the structures over tessellations,
+ * which are the same for all but `brute`. NULL: reported. */
 Accel *accel_build(const AccelKind *kind, Geometry *g, const Opts *o, int threads);
 Accel *accel_build_as_is(const AccelKind *kind, const Geometry *g, const Opts *o, int threads);
 
@@ -74,6 +84,7 @@ static inline bool accel_blocked(const Accel *a, const Ray *r)
 void accel_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
 void accel_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
 void accel_free(Accel *a);                      /* NULL is allowed */
+bool accel_validate(const Accel *a, char *why, size_t room);    /* kind->validate, and these */
 
 /* For validate(): *why becomes "what at where". Returns false. */
 bool accel_bad(char *why, size_t room, const char *what, size_t where);

@@ -23,7 +23,7 @@ static bool nearest(const Accel *a, const Ray *r, Hit *h, Steps *steps)
     hit_none(h, r->tmax);
     probe_init(&p, r);
     for (uint32_t i = 0; i < geometry_prims(a->geo); i++)
-        prim_nearest(a->geo, i, r, &p, h, steps);
+        prim_nearest(a, i, r, &p, h, steps);
     if (steps)
         steps->prims += geometry_prims(a->geo);
     return h->outer != NO_PRIM;
@@ -37,7 +37,7 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
     for (uint32_t i = 0; i < geometry_prims(a->geo); i++) {
         if (steps)
             steps->prims++;
-        if (prim_blocks(a->geo, i, r, &p, steps))
+        if (prim_blocks(a, i, r, &p, steps))
             return true;
     }
     return false;
@@ -55,6 +55,6 @@ static void drop(Accel *a) { mem_free(a); }
 
 const AccelKind accel_brute = {
     .info = { "brute", "GIRT 4.1.2.1", "no structure: every primitive for every ray", NULL },
-    .build = build, .nearest = nearest, .blocked = blocked, .validate = validate,
+    .plain = true, .build = build, .nearest = nearest, .blocked = blocked, .validate = validate,
     .free = drop
 };

@@ -42,11 +42,12 @@ typedef struct {
     Box  box;                   /* of everything */
     Link root;
     SkipNode *skips;            /* owned; of layout=skip, which has no pairs; else NULL */
+    size_t nskips;
 } Bvh;
 
 static SkipTree skip_tree(const Bvh *b)
 {
-    return (SkipTree){ b->base.geo, b->skips, b->order, (size_t)b->base.nodes };
+    return (SkipTree){ &b->base, b->skips, b->order, b->nskips };
 }
 
 enum { STACK = REFS_DEPTH_SAH + 34 };
@@ -259,7 +260,8 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
         drop(&b.bvh->base);
         return NULL;
     }
-    b.bvh->base.nodes = n ? 2 * b.npairs + 1 : 0;
+    b.bvh->nskips = n ? 2 * b.npairs + 1 : 0;
+    b.bvh->base.nodes = b.bvh->nskips;
     b.bvh->base.bytes = sizeof *b.bvh + (b.bvh->order ? n * sizeof(uint32_t) : 0) +
                         (skip ? b.bvh->base.nodes * sizeof(SkipNode) : b.npairs * sizeof(Pair));
     return &b.bvh->base;
@@ -309,7 +311,6 @@ INLINE uint32_t prim_of(const Bvh *b, uint32_t i) { return b->order ? b->order[i
  * that. `steps` is NULL in all calls but one, and then the counting costs nothing. */
 INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
 {
-    const Geometry *g = b->base.geo;
     Waiting stack[STACK], *top = stack;
     Probe p;
     PairProbe q;
@@ -341,7 +342,7 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
             if (steps)
                 steps->prims += link.count;
             for (uint32_t i = link.first; i < link.first + link.count; i++)
-                prim_nearest(g, prim_of(b, i), r, &p, h, steps);
+                prim_nearest(&b->base, prim_of(b, i), r, &p, h, steps);
         }
         do {
             if (top == stack)
@@ -354,7 +355,6 @@ INLINE bool nearest_steps(const Bvh *b, const Ray *r, Hit *h, Steps *steps)
 
 INLINE bool blocked_steps(const Bvh *b, const Ray *r, Steps *steps)
 {
-    const Geometry *g = b->base.geo;
     Link stack[STACK], *top = stack, link = b->root;
     Probe p;
     PairProbe q;
@@ -381,7 +381,7 @@ INLINE bool blocked_steps(const Bvh *b, const Ray *r, Steps *steps)
             for (uint32_t i = link.first; i < link.first + link.count; i++) {
                 if (steps)
                     steps->prims++;
-                if (prim_blocks(g, prim_of(b, i), r, &p, steps))
+                if (prim_blocks(&b->base, prim_of(b, i), r, &p, steps))
                     return true;
             }
         }

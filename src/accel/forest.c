@@ -144,40 +144,9 @@ size_t forest_plane_at(const Forest *f, const Tree *t, uint32_t j, int side, int
                            ((size_t)f->bits / 8);
 }
 
-uint32_t forest_plane_get(const Forest *f, size_t at)
-{
-    uint16_t q;
+uint32_t forest_plane_get(const Forest *f, size_t at) { return plane_get(f->planes + at, f->bits); }
 
-    if (f->bits == 8)
-        return f->planes[at];
-    memcpy(&q, f->planes + at, 2);
-    return q;
-}
-
-void forest_plane_set(Forest *f, size_t at, uint32_t q)
-{
-    uint16_t wide = (uint16_t)q;
-
-    if (f->bits == 8)
-        f->planes[at] = (unsigned char)q;
-    else
-        memcpy(f->planes + at, &wide, 2);
-}
-
-uint32_t planes_below(float base, float step, float x, uint32_t range, bool equal)
-{
-    uint32_t lo = 0, hi = range + 1;
-
-    while (lo < hi) {
-        uint32_t mid = (lo + hi) / 2;
-        float plane = plane_at(base, step, mid);
-        if (plane < x || (equal && plane == x))
-            lo = mid + 1;
-        else
-            hi = mid;
-    }
-    return lo;
-}
+void forest_plane_set(Forest *f, size_t at, uint32_t q) { plane_set(f->planes + at, f->bits, q); }
 
 Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
 {
@@ -185,26 +154,6 @@ Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++)
         b = box_join(b, geometry_box(g, i));
     return b;
-}
-
-/* The box of a tree, and its steps: a little larger than that needs, so that the last plane is
- * outside for sure (eq. 3.2 takes one from the range for that). False: a box without an end, or so
- * large that floats have no last plane; it cannot be divided. */
-static bool set_box(const Forest *f, Tree *t, Box b)
-{
-    uint32_t range = forest_range(f);
-
-    for (int k = 0; k < 3; k++) {
-        double extent = (double)v_axis(b.hi, k) - v_axis(b.lo, k);
-        t->lo[k] = v_axis(b.lo, k);
-        t->step[k] = (float)(extent / (range - 1));
-        while (is_finite(t->lo[k]) && is_finite(t->step[k]) &&
-               plane_at(t->lo[k], t->step[k], range) < v_axis(b.hi, k))
-            t->step[k] = f_max(t->step[k] * 1.01f, 0x1p-120f);  /* no denormal number grows */
-        if (!is_finite(plane_at(t->lo[k], t->step[k], range)))
-            return false;
-    }
-    return true;
 }
 
 /* ---- building ---- */
@@ -222,7 +171,7 @@ static void lay_out(Forest *f, Ref *refs)
             Tree *t = &f->trees[f->ntrees];
             Box b = tree_box(g, s->first + begin, end - begin);
             *t = tree_of(f->form, s->first + begin, end - begin);
-            if (!set_box(f, t, b))
+            if (!fractions_init(&t->box, b, planes_range(f->bits)))
                 t->inner = 0;                           /* one leaf of all */
             t->nodes = f->form.arity * t->inner + 1;
             t->planes = f->nplanes;
@@ -282,7 +231,7 @@ Forest *forest_new(const Geometry *g, Form form, int bits, const char *name)
     }
     if (ok) {
         lay_out(f, refs);
-        f->planes = MEM_ARRAY(unsigned char, f->nplanes + FOREST_PAD);
+        f->planes = MEM_ARRAY(unsigned char, f->nplanes + SIBLINGS_PAD);
         ok = f->planes && build_top(f, refs);
     }
     mem_free(refs);
@@ -291,7 +240,7 @@ Forest *forest_new(const Geometry *g, Form form, int bits, const char *name)
             forest_free(&f->base);
         return NULL;
     }
-    f->base.bytes = sizeof *f + f->ntrees * sizeof *f->trees + f->nplanes + FOREST_PAD +
+    f->base.bytes = sizeof *f + f->ntrees * sizeof *f->trees + f->nplanes + SIBLINGS_PAD +
                     f->ntop * sizeof *f->top + (f->ntrees + g->nodd) * sizeof *f->item;
     return f;
 }
@@ -331,7 +280,7 @@ static bool item_hits(const Forest *f, uint32_t item, const Ray *r, const Probe 
         return tree_hits(f, &f->trees[item], p, h, any, steps);
     if (steps)
         steps->prims++;
-    return prim_meets(f->base.geo, (uint32_t)(f->base.geo->ntris + item - f->ntrees), r, p, h, any,
+    return prim_meets(&f->base, (uint32_t)(f->base.geo->ntris + item - f->ntrees), r, p, h, any,
                       steps) && any;
 }
 

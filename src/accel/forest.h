@@ -15,16 +15,14 @@
 #define ACCEL_FOREST_H
 
 #include "accel/accel.h"
+#include "accel/planes.h"
 #include "accel/skip.h"
-
-/* PAD: eight lanes are read where there may be fewer. */
-enum { FOREST_ARITY_MOST = 8, FOREST_PAD = 32 };
 
 /* pieces: 0 for one tree a mesh. */
 typedef struct { uint32_t arity, leaf, pieces; } Form;
 
 typedef struct {
-    float    lo[3], step[3];            /* plane q of an axis of the whole box is lo + q step */
+    Fractions box;                      /* of the whole tree */
     uint32_t first, count;              /* triangles */
     uint32_t inner, nodes, deepest;     /* I, N, l_b */
     size_t   planes;                    /* where those of its first siblings are, in bytes */
@@ -43,7 +41,7 @@ typedef struct {
 
 /* The options of a form, for tables of options, and their values. */
 #define FOREST_OPTIONS                                                                          \
-    { .key = "arity", .type = OPT_INT, .num = 4, .lo = 2, .hi = FOREST_ARITY_MOST,              \
+    { .key = "arity", .type = OPT_INT, .num = 4, .lo = 2, .hi = SIBLINGS_MOST,                  \
       .help = "children a node" },                                                              \
     { .key = "leaf", .type = OPT_INT, .num = 4, .lo = 1, .hi = 64, .help = "triangles a leaf" }, \
     { .key = "pieces", .type = OPT_INT, .num = 0, .lo = 0, .hi = 1 << 30,                       \
@@ -58,21 +56,11 @@ bool forest_arrange(Geometry *g, Form f);
 Forest *forest_new(const Geometry *g, Form f, int bits, const char *name);
 void forest_free(Accel *a);
 
-/* The largest whole number that a plane may be. */
-INLINE uint32_t forest_range(const Forest *f) { return f->bits == 8 ? 255 : 65535; }
-
 /* Where plane `side` (0: lower) of an axis of node j > 0 stands; and its value. The planes of
  * siblings stand side by side, so that one test does for all. */
 size_t   forest_plane_at(const Forest *f, const Tree *t, uint32_t j, int side, int axis);
 uint32_t forest_plane_get(const Forest *f, size_t at);
 void     forest_plane_set(Forest *f, size_t at, uint32_t q);
-
-/* The value of plane q, for the builders; queries do the same in lanes. It rises with q, in floats
- * too. */
-INLINE float plane_at(float base, float step, uint32_t q) { return base + (float)q * step; }
-
-/* How many of the planes 0 .. range are below x or, if so wanted, equal to it. */
-uint32_t planes_below(float base, float step, float x, uint32_t range, bool equal);
 
 /* The triangles of leaf j: *from .. *to, counted from the tree's first. Some leaves are empty. */
 INLINE void leaf_range(const Tree *t, uint32_t leaf, uint32_t j, uint32_t *from, uint32_t *to)

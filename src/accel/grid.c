@@ -382,13 +382,12 @@ static bool walk(Walk *w, const Cells *c, double t0, double t1);
 
 static bool test_prim(Walk *w, uint32_t prim)
 {
-    const Geometry *geo = w->grid->base.geo;
-
     if (!mailbox_takes(&w->tested, prim))
         return false;
     if (w->steps)
         w->steps->prims++;
-    return prim_meets(geo, prim, w->ray, &w->probe, w->hit, w->any, w->steps) && w->any;
+    return prim_meets(&w->grid->base, prim, w->ray, &w->probe, w->hit, w->any, w->steps) &&
+           w->any;
 }
 
 static bool visit(Walk *w, const Cells *c, size_t cell, double t0, double t1)

@@ -53,8 +53,8 @@ static Box root_box(const Tree *t)
     float hi[3];
 
     for (int k = 0; k < 3; k++)
-        hi[k] = plane_at(t->lo[k], t->step[k], 255);
-    return (Box){ v3(t->lo[0], t->lo[1], t->lo[2]), v3(hi[0], hi[1], hi[2]) };
+        hi[k] = plane_at(t->box.lo[k], t->box.step[k], 255);
+    return (Box){ v3(t->box.lo[0], t->box.lo[1], t->box.lo[2]), v3(hi[0], hi[1], hi[2]) };
 }
 
 /* ---- building ---- */

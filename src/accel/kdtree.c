@@ -488,7 +488,7 @@ static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
                 continue;
             if (steps)
                 steps->prims++;
-            if (prim_meets(t->base.geo, prim, r, &p, h, any, steps) && any)
+            if (prim_meets(&t->base, prim, r, &p, h, any, steps) && any)
                 return true;
         }
         do {

@@ -3,34 +3,24 @@
  * Source      [Cline07 3.3, 3.4.2]; see forest.h for the shape of the trees.
  * Layout      A plane is a whole number of 16 or 8 bits, a fraction of the tree's box: 12 or 6
  *             bytes a node. With 8 bits a box divided by 255 is coarse for a large mesh: pieces=
- *             divides that first.
- * Rounding    Planes are rounded outwards, so that the box as decoded, in float, holds those of the
- *             triangles: validate() checks. Rays stay in world space and meet decoded planes; with
- *             [Cline07]'s ray in the space of the fractions its roundings would need bounds. */
+ *             divides that first. See planes.h for how they are rounded. */
 #include "accel/siblings.h"
 
 /* ---- building ---- */
 
-/* The largest plane not above x, or the least not below it. Both exist for x in the tree's box. */
-static uint32_t encode(const Tree *t, int axis, float x, uint32_t range, bool upper)
-{
-    return upper ? planes_below(t->lo[axis], t->step[axis], x, range, false)
-                 : planes_below(t->lo[axis], t->step[axis], x, range, true) - 1;
-}
-
 /* Node j from its triangles. An empty one gets planes that no ray is between. */
 static void encode_leaf(Forest *f, const Tree *t, uint32_t j)
 {
-    uint32_t from, to, range = forest_range(f);
+    uint32_t from, to, range = planes_range(f->bits);
     Box b;
 
     leaf_range(t, f->form.leaf, j, &from, &to);
     b = tree_box(f->base.geo, t->first + from, to - from);
     for (int k = 0; k < 3; k++) {
         forest_plane_set(f, forest_plane_at(f, t, j, 0, k),
-                  from < to ? encode(t, k, v_axis(b.lo, k), range, false) : range);
+                  from < to ? plane_encode(&t->box, k, v_axis(b.lo, k), range, false) : range);
         forest_plane_set(f, forest_plane_at(f, t, j, 1, k),
-                  from < to ? encode(t, k, v_axis(b.hi, k), range, true) : 0);
+                  from < to ? plane_encode(&t->box, k, v_axis(b.hi, k), range, true) : 0);
     }
 }
 
@@ -38,7 +28,7 @@ static void encode_leaf(Forest *f, const Tree *t, uint32_t j)
 static void join_children(Forest *f, const Tree *t, uint32_t j)
 {
     for (int k = 0; k < 3; k++) {
-        uint32_t lo = forest_range(f), hi = 0;
+        uint32_t lo = planes_range(f->bits), hi = 0;
         for (uint32_t c = f->form.arity * j + 1; c <= f->form.arity * j + f->form.arity; c++) {
             uint32_t a = forest_plane_get(f, forest_plane_at(f, t, c, 0, k));
             uint32_t b = forest_plane_get(f, forest_plane_at(f, t, c, 1, k));
@@ -61,9 +51,16 @@ static void encode_trees(Forest *f)
         }
 }
 
+static int bits_of(const Opts *o) { return opt_is(o, "bits", "8") ? 8 : 16; }
+
+static RegularForm regular(const Opts *o)
+{
+    return (RegularForm){ bits_of(o), (uint32_t)opt_int(o, "leaf") };
+}
+
 static Accel *build(const Geometry *g, const Opts *o, int threads)
 {
-    Forest *f = forest_new(g, forest_form(o), opt_is(o, "bits", "8") ? 8 : 16, "lbvh");
+    Forest *f = forest_new(g, forest_form(o), bits_of(o), "lbvh");
 
     (void)threads;
     if (!f)
@@ -111,14 +108,14 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 /* The box of node j as a ray sees it. */
 static Box node_box(const Forest *f, const Tree *t, uint32_t j)
 {
-    uint32_t range = forest_range(f);
+    uint32_t range = planes_range(f->bits);
     float p[2][3];
 
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < 3; k++) {
             uint32_t whole = side ? range : 0;
             uint32_t q = j ? forest_plane_get(f, forest_plane_at(f, t, j, side, k)) : whole;
-            p[side][k] = plane_at(t->lo[k], t->step[k], q);
+            p[side][k] = plane_at(t->box.lo[k], t->box.step[k], q);
         }
     return (Box){ v3(p[0][0], p[0][1], p[0][2]), v3(p[1][0], p[1][1], p[1][2]) };
 }
@@ -139,5 +136,5 @@ const AccelKind accel_lbvh = {
     .info = { "lbvh", "Cline07 3.3", "complete trees without pointers, planes of 16 or 8 bits",
               options },
     .arrange = arrange, .build = build, .nearest = nearest, .blocked = blocked,
-    .validate = validate, .free = forest_free
+    .validate = validate, .regular = regular, .free = forest_free
 };

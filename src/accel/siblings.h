@@ -1,9 +1,7 @@
 /* siblings.h -- the walk through a complete tree of forest.h: a ray against the boxes of all
  * children of a node at once, one lane a child.
  *
- * Planes      Plane q is base + q step. For planes that are fractions of the tree's box (lbvh)
- *             these are the tree's. If they are nested, fractions of the parent's box as decoded
- *             (hlbvh), they are made anew in each node, see hlbvh.c.
+ * Planes      See planes.h. Nested ones (hlbvh) are fractions of the parent's box as decoded.
  * Rows        Boxes decoded in a row of the tree are kept until another node of the row above is
  *             entered. None is while children of the last one wait: so the boxes of all that wait
  *             are at hand, one set of siblings a row, and the stack only says which is whose.
@@ -18,40 +16,19 @@
 /* The extent of a box times this is the step of planes nested in it. */
 #define NESTED_STEP (1.0f / 256)
 
-/* Sides: 0 is the one that the ray meets first, 1 the other. */
-typedef struct {
-    F8 o[3], inv[3];
-    F8 base[2][3], step[2][3];
-    size_t row[2][3];                   /* where in a group of siblings the planes are, in bytes */
-} Siblings;
-
-/* Decoded planes of siblings, by side and axis. */
-typedef union { float plane[2][3][FOREST_ARITY_MOST]; F8 align; } Decoded;
-
 /* A tree of 2^31 leaves has 31 rows below its root if binary, and fewer if of larger arity, where
  * at most 7 wait in each. */
 enum { TREE_ROWS = 32, TREE_STACK = 96 };
 
-/* The root's box is decoded as that of child 0 of row 0. */
-INLINE void siblings_init(Siblings *s, const Forest *f, const Tree *t, const Probe *p,
-                          Decoded *root, bool nested)
+/* The root's box, as that of child 0 of row 0. */
+INLINE void decode_root(Decoded *root, const Forest *f, const Tree *t, const Probe *p)
 {
-    const float *o = &p->ray->o.x, *inv = &p->inv.x;
-    size_t row = f->form.arity * ((size_t)f->bits / 8);
+    const float *inv = &p->inv.x;
 
     for (int k = 0; k < 3; k++) {
         int down = inv[k] < 0.0f;
-        s->o[k] = f8_all(o[k]);
-        s->inv[k] = f8_all(inv[k]);
-        for (int side = 0; side < 2; side++) {
-            s->row[side][k] = (size_t)(3 * (side ^ down) + k) * row;
-            s->base[side][k] = f8_all(t->lo[k]);
-            s->step[side][k] = f8_all(t->step[k]);
-        }
-        if (nested) {
-            root->plane[down][k][0] = t->lo[k];
-            root->plane[!down][k][0] = plane_at(t->lo[k], t->step[k], forest_range(f));
-        }
+        root->plane[down][k][0] = t->box.lo[k];
+        root->plane[!down][k][0] = plane_at(t->box.lo[k], t->box.step[k], planes_range(f->bits));
     }
 }
 
@@ -68,35 +45,6 @@ INLINE void siblings_within(Siblings *s, const Decoded *d, uint32_t k)
     }
 }
 
-/* Eight planes decoded, of which `arity` are of use. */
-INLINE F8 planes_load(const Siblings *s, const unsigned char *group, int side, int axis, int bits)
-{
-    const unsigned char *p = group + s->row[side][axis];
-    F8 whole = bits == 8 ? f8_load_u8(p) : f8_load_u16((const uint16_t *)(const void *)p);
-    return f8_add(s->base[side][axis], f8_mul(whole, s->step[side][axis]));
-}
-
-/* Bit k: the ray enters child k before it leaves it and not beyond tmax; near[k] says where. The
- * arithmetic on decoded planes is that of slabs() in geometry/ray.h. `keep` gets them; or NULL. */
-INLINE int siblings_enter(const Siblings *s, const unsigned char *group, uint32_t arity, int bits,
-                          float tmax, float near[FOREST_ARITY_MOST], Decoded *keep)
-{
-    F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
-
-    for (int k = 0; k < 3; k++) {
-        F8 a = planes_load(s, group, 0, k, bits), b = planes_load(s, group, 1, k, bits);
-        enter = f8_max(f8_mul(f8_sub(a, s->o[k]), s->inv[k]), enter);
-        leave = f8_min(f8_mul(f8_sub(b, s->o[k]), s->inv[k]), leave);
-        if (keep) {
-            f8_store(keep->plane[0][k], a);
-            f8_store(keep->plane[1][k], b);
-        }
-    }
-    f8_store(near, enter);
-    return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
-           f8_at_most(enter, f8_all(tmax)) & ((1 << arity) - 1);
-}
-
 /* A TreeHits. bits, nested and whether there are steps are constants where this is called. */
 INLINE bool tree_walk(const Forest *f, const Tree *t, const Probe *p, Hit *h, bool any,
                       Steps *steps, int bits, bool nested)
@@ -110,13 +58,15 @@ INLINE bool tree_walk(const Forest *f, const Tree *t, const Probe *p, Hit *h, bo
     uint32_t at = 0, place = 0;
     Siblings s;
 
-    siblings_init(&s, f, t, p, rows, nested);
+    siblings_init(&s, &t->box, arity, bits, p);
+    if (nested)
+        decode_root(rows, f, t, p);
     for (;;) {
         if (steps)
             steps->nodes++;
         if (at < t->inner) {
             Decoded *row = nested ? &rows[place >> 3] : NULL;
-            float near[FOREST_ARITY_MOST];
+            float near[SIBLINGS_MOST];
             uint32_t first = arity * at + 1, below = (place >> 3) * 8 + 8;
             int hits;
 

@@ -50,7 +50,7 @@ INLINE bool walk(const SkipTree *t, const Ray *r, Hit *h, bool any, Steps *steps
         for (uint32_t i = 0; leaf && i < n->next; i++) {
             if (steps)
                 steps->prims++;
-            if (prim_meets(t->geo, prim_of(t, n->first + i), r, &p, h, any, steps) && any)
+            if (prim_meets(t->accel, prim_of(t, n->first + i), r, &p, h, any, steps) && any)
                 return true;
         }
         k++;
@@ -74,7 +74,7 @@ bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps)
 static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *why, size_t room)
 {
     const SkipNode *n = &t->nodes[k];
-    uint32_t prims = geometry_prims(t->geo);
+    uint32_t prims = geometry_prims(t->accel->geo);
 
     if (n->next > prims || n->first > prims - n->next)
         return accel_bad(why, room, "a leaf of primitives that do not exist", k);
@@ -82,7 +82,7 @@ static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *w
         uint32_t prim = prim_of(t, i);
         if (prim >= prims || seen[prim]++)
             return accel_bad(why, room, "a primitive that does not exist or stands twice in", k);
-        if (!box_holds(skip_box(n), geometry_box(t->geo, prim)))
+        if (!box_holds(skip_box(n), geometry_box(t->accel->geo, prim)))
             return accel_bad(why, room, "a primitive sticks out of leaf", k);
     }
     return true;
@@ -92,7 +92,7 @@ static bool check_leaf(const SkipTree *t, size_t k, unsigned char *seen, char *w
  * above. */
 bool skip_validate(const SkipTree *t, char *why, size_t room)
 {
-    unsigned char *seen = MEM_ARRAY(unsigned char, geometry_prims(t->geo));
+    unsigned char *seen = MEM_ARRAY(unsigned char, geometry_prims(t->accel->geo));
     uint32_t *above = MEM_ARRAY(uint32_t, t->n);        /* the branches that node k is in */
     size_t depth = 0;
     bool ok = seen && above;
@@ -110,7 +110,7 @@ bool skip_validate(const SkipTree *t, char *why, size_t room)
         else
             above[depth++] = (uint32_t)k;
     }
-    for (uint32_t i = 0; ok && i < geometry_prims(t->geo); i++)
+    for (uint32_t i = 0; ok && i < geometry_prims(t->accel->geo); i++)
         if (!seen[i])
             ok = accel_bad(why, room, "no leaf holds the primitive", i);
     mem_free(seen);

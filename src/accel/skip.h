@@ -18,7 +18,7 @@ typedef struct {
 #define SKIP_INNER UINT32_MAX
 
 typedef struct {
-    const Geometry *geo;        /* borrowed */
+    const Accel *accel;         /* borrowed: whose tree it is */
     const SkipNode *nodes;      /* borrowed */
     const uint32_t *order;      /* borrowed; NULL: primitives are in leaf order as they are */
     size_t n;                   /* nodes; 0: nothing to meet */

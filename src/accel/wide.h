@@ -160,7 +160,7 @@ INLINE void lean_leaf_meets(const Wide *w, Below at, const Ray *r, const Probe *
             prim[k] = w->order ? w->order[i] : i;
         }
         if (UNLIKELY(!geometry_is_tri(g, prim[0]))) {
-            prim_meets(g, prim[0], r, p, best, any, steps);
+            prim_meets(&w->base, prim[0], r, p, best, any, steps);
             return;
         }
         bits = triangle_four_test(g, prim, (int)(end - place), p, &v);
@@ -176,7 +176,7 @@ INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const P
     if (lean)
         lean_leaf_meets(w, at, r, p, best, any, steps);
     else if (UNLIKELY(is_odd(at)))
-        prim_meets(w->base.geo, at & ~BELOW_ODD, r, p, best, any, steps);
+        prim_meets(&w->base, at & ~BELOW_ODD, r, p, best, any, steps);
     else {
         const TriangleBlock *b = &w->blocks[leaf_place(at)];
         BlockView v;

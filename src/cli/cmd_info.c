@@ -91,23 +91,28 @@ static int info_image(const char *path)
 
 static void print_geometry(const Scene *s)
 {
-    static const char *const names[] = { "meshes", "spheres", "disks", "instances" };
-    unsigned long count[4] = { 0, 0, 0, 0 };
+    enum { KINDS = SHAPE_INSTANCE + 1 };
+    static const char *const names[KINDS] = { "meshes", "spheres", "disks", "tessellations",
+                                              "instances" };
+    unsigned long count[KINDS] = { 0 };
 
     for (size_t g = 0; g < s->ngeometries; g++) {
         const Geometry *geo = &s->geometries[g];
+        size_t points = geo->nverts;
         for (size_t i = 0; i < geo->nshapes; i++)
             count[geo->shapes[i].kind]++;
+        for (size_t i = 0; i < geo->ntessellated; i++)
+            points += tessellation_points(geo->shapes[geo->tessellated[i]].as.tessellation);
         if (g == 0)
-            printf("world          %lu triangles, %lu vertices\n", (unsigned long)geo->ntris,
-                   (unsigned long)geo->nverts);
+            printf("world          ");
         else
-            printf("object %-7lu %lu triangles, %lu vertices\n", (unsigned long)g,
-                   (unsigned long)geo->ntris, (unsigned long)geo->nverts);
+            printf("object %-7lu ", (unsigned long)g);
+        printf("%lu triangles, %lu vertices\n", (unsigned long)(geo->ntris + geo->nfaces),
+               (unsigned long)points);
     }
     printf("shapes        ");
-    for (int k = 0; k < 4; k++)
-        printf(" %lu %s%s", count[k], names[k], k < 3 ? "," : "\n");
+    for (int k = 0; k < KINDS; k++)
+        printf(" %lu %s%s", count[k], names[k], k + 1 < KINDS ? "," : "\n");
 }
 
 static void print_scene(const Scene *s)

@@ -12,6 +12,10 @@ void geometry_clear(Geometry *g)
         mem_free(g->shapes[i].n);
         mem_free(g->shapes[i].uv);
         mem_free(g->shapes[i].place);
+        if (g->shapes[i].kind == SHAPE_TESSELLATION) {
+            tessellation_clear(g->shapes[i].as.tessellation);
+            mem_free(g->shapes[i].as.tessellation);
+        }
     }
     mem_free(g->p);
     mem_free(g->tri);
@@ -19,6 +23,7 @@ void geometry_clear(Geometry *g)
     mem_free(g->odd);
     mem_free(g->firsts);
     mem_free(g->mesh_shapes);
+    mem_free(g->tessellated);
     memset(g, 0, sizeof *g);
 }
 
@@ -74,7 +79,7 @@ static bool too_many(void)
 static bool add_shape(Geometry *g, ShapeKind kind, ShapeTraits traits, uint32_t *index)
 {
     Shape *s;
-    if (g->nshapes >= UINT32_MAX - 1 || g->nodd >= UINT32_MAX - 1 - g->ntris)
+    if (g->nshapes >= UINT32_MAX - 1 || g->nodd >= UINT32_MAX - 1 - g->nfaces - g->ntris)
         return too_many();
     if (!mem_grow(&g->shapes, &g->cap_shapes, g->nshapes + 1, sizeof *g->shapes))
         return false;
@@ -128,7 +133,7 @@ bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape
     Shape *s;
 
     if (m->nverts > UINT32_MAX - 1 - g->nverts ||
-        m->ntris > UINT32_MAX - 1 - g->ntris - g->nodd)
+        m->ntris > UINT32_MAX - 1 - g->ntris - g->nodd - g->nfaces)
         return too_many();
     if (!add_shape(g, SHAPE_MESH, traits, &index) || !take_vertices(g, m))
         return false;
@@ -164,6 +169,31 @@ bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t 
     if (!add_shape(g, SHAPE_DISK, traits, &index))
         return false;
     g->shapes[index].as.disk = *d;
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+bool geometry_add_tessellation(Geometry *g, Tessellation *t, ShapeTraits traits, uint32_t *shape)
+{
+    uint32_t index = 0, faces = tessellation_faces(t);
+    Tessellation *own;
+
+    if (faces > UINT32_MAX - 2 - g->ntris - g->nodd - g->nfaces)
+        return too_many();
+    if (!mem_grow(&g->tessellated, &g->cap_tessellated, g->ntessellated + 1,
+                  sizeof *g->tessellated) || !(own = MEM_NEW(Tessellation)))
+        return false;
+    if (!add_shape(g, SHAPE_TESSELLATION, traits, &index)) {
+        mem_free(own);
+        return false;
+    }
+    *own = *t;
+    memset(t, 0, sizeof *t);
+    own->index = (uint32_t)g->ntessellated;
+    g->tessellated[g->ntessellated++] = index;
+    g->nfaces += faces;
+    g->shapes[index].as.tessellation = own;
     if (shape)
         *shape = index;
     return true;
@@ -206,6 +236,11 @@ bool geometry_finish(Geometry *g)
     for (size_t k = 0; k < g->nodd; k++) {
         g->shapes[g->odd[k]].first = (uint32_t)(g->ntris + k);
         g->shapes[g->odd[k]].count = 1;
+    }
+    for (size_t k = 0, face = g->ntris + g->nodd; k < g->ntessellated; k++) {
+        Tessellation *t = g->shapes[g->tessellated[k]].as.tessellation;
+        t->first_face = (uint32_t)face;
+        face += tessellation_faces(t);
     }
     return true;
 }
@@ -305,11 +340,28 @@ bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
     return true;
 }
 
+/* The tessellation that a face belongs to. */
+static const Shape *shape_of_face(const Geometry *g, uint32_t face)
+{
+    size_t lo = 0, hi = g->ntessellated;
+
+    while (hi - lo > 1) {
+        size_t middle = (lo + hi) / 2;
+        if (g->shapes[g->tessellated[middle]].as.tessellation->first_face <= face)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return &g->shapes[g->tessellated[lo]];
+}
+
 const Shape *geometry_shape(const Geometry *g, uint32_t prim)
 {
     size_t n = g->nmeshes;
     const uint32_t *base = g->firsts;
 
+    if (prim >= geometry_prims(g))
+        return shape_of_face(g, prim);
     if (prim >= g->ntris)
         return &g->shapes[g->odd[prim - g->ntris]];
     while (n > 1) {                             /* the last first <= prim, without a branch */
@@ -333,6 +385,7 @@ Box geometry_box(const Geometry *g, uint32_t prim)
     switch (s->kind) {
     case SHAPE_SPHERE:   return sphere_box(&s->as.sphere);
     case SHAPE_DISK:     return disk_box(&s->as.disk);
+    case SHAPE_TESSELLATION: return s->as.tessellation->bounds;
     case SHAPE_INSTANCE: return s->as.instance.bounds;
     case SHAPE_MESH:     break;
     }
@@ -362,41 +415,58 @@ INLINE V3 normal_of(const V3 c[3])
     return v_unit(v_cross(v_sub(c[1], c[0]), v_sub(c[2], c[0])));
 }
 
+void geometry_face(const Geometry *g, uint32_t prim, V3 c[3])
+{
+    if (geometry_is_tri(g, prim))
+        geometry_corners(g, prim, c);
+    else {
+        const Tessellation *t = shape_of_face(g, prim)->as.tessellation;
+        tessellation_corners(t, prim - t->first_face, c);
+    }
+}
+
 void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err)
 {
     V3 c[3];
-    geometry_corners(g, prim, c);
+    geometry_face(g, prim, c);
     point_of(c, u, v, p, err);
 }
 
 V3 geometry_normal(const Geometry *g, uint32_t prim)
 {
     V3 c[3];
-    geometry_corners(g, prim, c);
+    geometry_face(g, prim, c);
     return normal_of(c);
+}
+
+INLINE V2 uv_between(V2 p, V2 q, V2 r, const Hit *h)
+{
+    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
+    return (V2){ w * p.x + u * q.x + v * r.x, w * p.y + u * q.y + v * r.y };
+}
+
+INLINE V3 normal_between(V3 p, V3 q, V3 r, const Hit *h)
+{
+    return v_unit(weighted(p, q, r, f_max(0.0f, 1.0f - h->u - h->v), h->u, h->v));
 }
 
 static void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
 {
-    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
     const Tri *t = &g->tri[h->prim];
 
-    s->uv = (V2){ u, v };
+    s->uv = (V2){ h->u, h->v };
     if (shape->uv) {
         const V2 *uv = shape->uv - shape->first_vertex;
-        V2 p = uv[t->v[0]], q = uv[t->v[1]], r = uv[t->v[2]];
-        s->uv.x = w * p.x + u * q.x + v * r.x;
-        s->uv.y = w * p.y + u * q.y + v * r.y;
+        s->uv = uv_between(uv[t->v[0]], uv[t->v[1]], uv[t->v[2]], h);
     }
 }
 
 /* The shading normal where the file gives normals, which also say what is the front. */
 static bool triangle_normal(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
 {
-    float u = h->u, v = h->v, w = f_max(0.0f, 1.0f - u - v);
     const Tri *t = &g->tri[h->prim];
     const V3 *n = shape->n - shape->first_vertex;
-    V3 m = v_unit(weighted(n[t->v[0]], n[t->v[1]], n[t->v[2]], w, u, v));
+    V3 m = normal_between(n[t->v[0]], n[t->v[1]], n[t->v[2]], h);
 
     if (m.x == 0.0f && m.y == 0.0f && m.z == 0.0f)
         return false;
@@ -420,6 +490,35 @@ static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h
     if (shape->flip)
         s->ng = v_neg(s->ng);
     s->ns = s->ng;
+}
+
+/* The order of corners says what is the front; a shading normal behind it is none. */
+static void tessellation_surface(const Shape *shape, const Hit *h, Surface *s)
+{
+    const Tessellation *t = shape->as.tessellation;
+    GridPoint at[3];
+    V3 c[3], n[3];
+
+    tessellation_places(t, h->prim - t->first_face, at);
+    for (int k = 0; k < 3; k++)
+        c[k] = tessellation_point(t, at[k].x, at[k].y);
+    point_of(c, h->u, h->v, &s->p, &s->err);
+    s->ng = s->ns = normal_of(c);
+    if (!shape->plain)
+        s->uv = uv_between(tessellation_uv(t, at[0].x, at[0].y),
+                           tessellation_uv(t, at[1].x, at[1].y),
+                           tessellation_uv(t, at[2].x, at[2].y), h);
+    if (t->smooth) {
+        for (int k = 0; k < 3; k++)
+            n[k] = v_unit(tessellation_normal(t, at[k]));
+        n[0] = normal_between(n[0], n[1], n[2], h);
+        if (v_dot(n[0], s->ng) > 0.0f)
+            s->ns = n[0];
+    }
+    if (shape->flip) {
+        s->ng = v_neg(s->ng);
+        s->ns = v_neg(s->ns);
+    }
 }
 
 static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
@@ -476,6 +575,7 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
     case SHAPE_MESH:     triangle_surface(g, shape, h, s); break;
     case SHAPE_SPHERE:   sphere_surface(&shape->as.sphere, shape, r, h, s); break;
     case SHAPE_DISK:     disk_surface(&shape->as.disk, shape, r, h, s); break;
+    case SHAPE_TESSELLATION: tessellation_surface(shape, h, s); break;
     case SHAPE_INSTANCE: ASSERT(!"an instance has no surface"); break;
     }
 }

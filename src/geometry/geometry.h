@@ -1,17 +1,22 @@
 /* geometry.h -- the primitives of one space: triangles of any number of meshes in one array, then
- * spheres, discs and instances. Accelerators index these by number; shading finds the shape that a
- * primitive belongs to.
+ * spheres, discs, tessellations and instances. Accelerators index these by number; shading finds
+ * the shape that a primitive belongs to.
  *
  * Invariants (after geometry_finish): primitives 0 .. ntris-1 are triangles; ntris .. nprims-1 are
- * `odd` ones, each a shape of its own. Shapes of kind mesh are in order of their first triangle. */
+ * `odd` ones, each a shape of its own. Shapes of kind mesh are in order of their first triangle.
+ * The triangles of tessellations are no primitives, but hits name them by numbers that go on after
+ * those of all primitives: the `faces`. */
 #ifndef GEOMETRY_GEOMETRY_H
 #define GEOMETRY_GEOMETRY_H
 
 #include "base/transform.h"
 #include "geometry/mesh.h"
 #include "geometry/ray.h"
+#include "geometry/tessellation.h"
 
-typedef enum { SHAPE_MESH, SHAPE_SPHERE, SHAPE_DISK, SHAPE_INSTANCE } ShapeKind;
+typedef enum {
+    SHAPE_MESH, SHAPE_SPHERE, SHAPE_DISK, SHAPE_TESSELLATION, SHAPE_INSTANCE
+} ShapeKind;
 
 /* A part of a sphere, as the scene language has it: z and phi in the frame of the sphere. */
 typedef struct {
@@ -51,7 +56,12 @@ typedef struct {
                                  * where each is now, from `first`; else NULL */
     V3       *n;                /* owned; per vertex, unit or 0; NULL: none */
     V2       *uv;               /* owned; NULL: none */
-    union { Sphere sphere; Disk disk; Instance instance; } as;
+    union {
+        Sphere sphere;
+        Disk disk;
+        Tessellation *tessellation;     /* owned */
+        Instance instance;
+    } as;
 } Shape;
 
 typedef struct {
@@ -61,8 +71,10 @@ typedef struct {
     uint32_t *odd;              /* owned; shape of primitive ntris + k */
     uint32_t *firsts;           /* owned; first triangle of each mesh shape, for searching */
     uint32_t *mesh_shapes;      /* owned; the shape that firsts[k] belongs to */
-    size_t nverts, ntris, nshapes, nodd, nmeshes;
-    size_t cap_p, cap_tri, cap_shapes, cap_odd;
+    uint32_t *tessellated;      /* owned; the shapes that are tessellations, in order */
+    size_t nverts, ntris, nshapes, nodd, nmeshes, ntessellated;
+    size_t nfaces;              /* triangles of all tessellations */
+    size_t cap_p, cap_tri, cap_shapes, cap_odd, cap_tessellated;
 } Geometry;
 
 /* What all shapes have in common when they are added. */
@@ -74,11 +86,12 @@ void geometry_clear(Geometry *g);
 bool geometry_copy(Geometry *to, const Geometry *from);
 
 /* Each adds one shape and gives its index in *shape (may be NULL). False: memory or the counts of
- * 32 bits ran out, reported. The mesh is emptied: its arrays are taken over or copied. Points of
- * the mesh must be in the geometry's space already. */
+ * 32 bits ran out, reported. The mesh is emptied: its arrays are taken over or copied; so is the
+ * tessellation. Points must be in the geometry's space already. */
 bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape);
 bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint32_t *shape);
 bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape);
+bool geometry_add_tessellation(Geometry *g, Tessellation *t, ShapeTraits traits, uint32_t *shape);
 bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape);
 /* Ends adding: makes the tables that geometry_shape and accelerators need. */
 bool geometry_finish(Geometry *g);
@@ -90,7 +103,7 @@ bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
 
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
 Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */
-/* The shape of a primitive. */
+/* The shape of a primitive or face. */
 const Shape *geometry_shape(const Geometry *g, uint32_t prim);
 INLINE bool geometry_is_tri(const Geometry *g, uint32_t prim) { return prim < g->ntris; }
 INLINE void geometry_corners(const Geometry *g, uint32_t prim, V3 c[3])
@@ -108,17 +121,20 @@ typedef struct {
     V3 ns;                      /* shading normal, unit, on the side of ng */
     V2 uv;
     const Shape *shape;         /* borrowed */
-    uint32_t prim;              /* within the shape's geometry */
+    uint32_t prim;              /* or face; within the shape's geometry */
 } Surface;
 
-/* The point of triangle `prim` with weights u, v of its second and third corner, and the bound of
- * its error. */
+/* The corners of a triangle of a mesh or a tessellation. */
+void geometry_face(const Geometry *g, uint32_t prim, V3 c[3]);
+
+/* Its point with weights u, v of its second and third corner, and the bound of its error. */
 void geometry_point(const Geometry *g, uint32_t prim, float u, float v, V3 *p, V3 *err);
 
-/* The unit normal of triangle `prim`, by the order of its corners. */
+/* Its unit normal, by the order of its corners. */
 V3 geometry_normal(const Geometry *g, uint32_t prim);
 
-/* Surface of a hit on primitive h->prim of g (not an instance), for a ray in the space of g. */
+/* Surface of a hit on primitive or face h->prim of g (not an instance), for a ray in the space of
+ * g. */
 void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s);
 
 /* ---- one primitive against one ray ---- */

@@ -12,8 +12,9 @@ typedef struct { V3 o; float tmax; V3 d; } Ray;
 
 #define NO_PRIM UINT32_MAX
 
-/* Where a ray meets a primitive. prim counts within the geometry it belongs to; outer is the
- * primitive of the top geometry: the same, or the instance that holds the hit. u, v: barycentric
+/* Where a ray meets a primitive. prim counts within the geometry it belongs to and, if that is a
+ * tessellation, is the face (see geometry.h); outer is the primitive of the top geometry: the same,
+ * that tessellation, or the instance that holds the hit. u, v: barycentric
  * weights of the second and third corner of a triangle; unused for other primitives. */
 typedef struct { float t, u, v; uint32_t outer, prim; } Hit;
 

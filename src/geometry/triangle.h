@@ -249,24 +249,25 @@ INLINE bool triangle_four_accept(const Geometry *g, const uint32_t prim[4], int 
 
 /* ---- one ---- */
 
+/* Whether the ray may pass between the edges. Most do not: edge functions of both signs. */
+INLINE bool triangle_may_hit(V3 a, V3 b, V3 c)
+{
+    V3 e = triangle_edges(a, b, c), size = v_abs(e);
+    float least = f_min(e.x, f_min(e.y, e.z)), most = f_max(e.x, f_max(e.y, e.z));
+    return !(least < 0.0f && most > 0.0f && f_min(size.x, f_min(size.y, size.z)) > 0.0f);
+}
+
 /* True if triangle `prim` is hit at a t in (0, h->t), or at t == h->t and prim < h->outer; then *h
- * is set. Most calls end here, with edge functions of both signs. */
+ * is set. Most calls end in triangle_may_hit. */
 INLINE bool triangle_nearest(const Geometry *g, uint32_t prim, const Probe *r, Hit *h)
 {
     const Tri *tri = &g->tri[prim];
-    V3 a = triangle_across(r, &g->p[tri->v[0]]);
-    V3 b = triangle_across(r, &g->p[tri->v[1]]);
-    V3 c = triangle_across(r, &g->p[tri->v[2]]);
-    V3 e = triangle_edges(a, b, c), size = v_abs(e);
-    float least = f_min(e.x, f_min(e.y, e.z)), most = f_max(e.x, f_max(e.y, e.z));
     TriangleView v;
 
-    if (least < 0.0f && most > 0.0f && f_min(size.x, f_min(size.y, size.z)) > 0.0f)
-        return false;
-    v.a = a;
-    v.b = b;
-    v.c = c;
-    return triangle_accept_prim(g, prim, r, &v, h);
+    v.a = triangle_across(r, &g->p[tri->v[0]]);
+    v.b = triangle_across(r, &g->p[tri->v[1]]);
+    v.c = triangle_across(r, &g->p[tri->v[2]]);
+    return triangle_may_hit(v.a, v.b, v.c) && triangle_accept_prim(g, prim, r, &v, h);
 }
 
 #endif

@@ -2,8 +2,9 @@
  * directions.
  *
  * Source      [Cline07 4.4.2, (4.6)] area to solid angle; [Shirley96] the cone of a sphere.
- * Sampling    Meshes: a triangle by area, then a uniform point. Discs: uniform by area. Whole
- *             spheres, from outside: uniform in the cone they fill; else uniform by area.
+ * Sampling    Meshes and tessellations: a triangle by area, then a uniform point. Discs: uniform
+ *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
+ *             area.
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
 #include "sampling/table.h"
 #include "sampling/warp.h"
@@ -16,8 +17,8 @@ typedef struct {
     const Scene *scene;         /* borrowed */
     uint32_t geometry, shape;
     float area;
-    Table triangles;            /* owned; meshes: by area */
-    V3   *normals;              /* owned; meshes: of each triangle, by the order of its corners */
+    Table triangles;            /* owned; if there are any: by area */
+    V3   *normals;              /* owned; of each triangle, by the order of its corners */
     float power_wanted;         /* by luminance; 0: L is as given */
 } Area;
 
@@ -41,35 +42,38 @@ static Light *make(const Making *m, const Opts *o)
 /* Triangle i of the lamp, whatever order an accelerator has put them into. */
 static uint32_t lamp_triangle(const Shape *s, size_t i)
 {
+    if (s->kind == SHAPE_TESSELLATION)
+        return s->as.tessellation->first_face + (uint32_t)i;
     return s->first + (s->place ? s->place[i] : (uint32_t)i);
 }
 
 static double triangle_area(const Geometry *g, uint32_t prim)
 {
     V3 c[3];
-    geometry_corners(g, prim, c);
+    geometry_face(g, prim, c);
     return 0.5 * v_len(v_cross(v_sub(c[1], c[0]), v_sub(c[2], c[0])));
 }
 
-static bool prepare_mesh(Area *l, const Shape *s)
+static bool prepare_triangles(Area *l, const Shape *s)
 {
-    float *weight = MEM_ARRAY(float, s->count);
+    uint32_t n = s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
+    float *weight = MEM_ARRAY(float, n);
     double sum = 0;
     bool ok;
 
-    l->normals = MEM_ARRAY(V3, s->count);
+    l->normals = MEM_ARRAY(V3, n);
     if (!weight || !l->normals) {
         mem_free(weight);
         return false;
     }
-    for (uint32_t i = 0; i < s->count; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         double a = triangle_area(geometry_of(l), lamp_triangle(s, i));
         weight[i] = (float)a;
         l->normals[i] = geometry_normal(geometry_of(l), lamp_triangle(s, i));
         sum += a;
     }
     l->area = (float)sum;
-    ok = table_init(&l->triangles, weight, s->count);
+    ok = table_init(&l->triangles, weight, n);
     mem_free(weight);
     return ok;
 }
@@ -83,7 +87,8 @@ static bool prepare(Light *base, const Scene *scene)
     (void)scene;
     switch (s->kind) {
     case SHAPE_MESH:
-        if (!prepare_mesh(l, s))
+    case SHAPE_TESSELLATION:
+        if (!prepare_triangles(l, s))
             return false;
         break;
     case SHAPE_SPHERE:
@@ -112,7 +117,7 @@ static void clear(Light *base)
 
 /* ---- points on shapes; each gives point, error, front normal ---- */
 
-static bool point_on_mesh(const Area *l, V2 u, LightSample *s)
+static bool point_on_triangles(const Area *l, V2 u, LightSample *s)
 {
     const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
@@ -232,7 +237,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
         }
     }
     switch (shape->kind) {
-    case SHAPE_MESH:     ok = point_on_mesh(l, u, s); break;
+    case SHAPE_MESH:
+    case SHAPE_TESSELLATION: ok = point_on_triangles(l, u, s); break;
     case SHAPE_SPHERE:   ok = point_on_sphere(shape, u, s); break;
     case SHAPE_DISK:     ok = point_on_disk(shape, u, s); break;
     case SHAPE_INSTANCE: break;

@@ -1,5 +1,6 @@
 /* shapes.c -- the Shape directive: triangle meshes written out or in files, spheres and discs, and
- * the table of all shapes. Curved shapes that become triangles are in tessellated.c.
+ * the table of all shapes. Curved shapes that become triangles are in tessellated.c, those that
+ * stay grids of points in tessellations.c.
  *
  * Space       Points go to world space here (inside ObjectBegin: to the object's). A sphere or disc
  *             that the transform does not keep one becomes triangles.
@@ -14,7 +15,7 @@
 
 /* ---- meshes into the scene ---- */
 
-static bool not_finite(Place at, const char *what, size_t i)
+bool shape_not_finite(Place at, const char *what, size_t i)
 {
     return err_at(at, "%s %lu is not finite after the current transform", what, (unsigned long)i);
 }
@@ -28,7 +29,7 @@ static bool to_world(const Reader *r, Place at, Mesh *m)
         if (!same)
             m->p[i] = xf_point(t, m->p[i]);
         if (!v_finite(m->p[i]))
-            return not_finite(at, "the point", i);
+            return shape_not_finite(at, "the point", i);
     }
     for (uint32_t i = 0; m->n && i < m->nverts; i++) {
         V3 n = same ? m->n[i] : xf_normal(t, m->n[i]);
@@ -230,12 +231,12 @@ static bool read_obj(Reader *r, Place at, const Params *ps, const Opts *o)
 
 /* ---- spheres and discs ---- */
 
-static bool is_left_out(const Reader *r)
+bool shape_is_left_out(const Reader *r)
 {
     return r->state.material == MATERIAL_NONE && !r->state.area;
 }
 
-static ShapeTraits traits_here(const Reader *r)
+ShapeTraits shape_traits(const Reader *r)
 {
     uint32_t material = r->state.material == MATERIAL_NONE ? 0 : r->state.material;
     return (ShapeTraits){ material, NO_LIGHT, r->state.reverse };
@@ -258,8 +259,8 @@ static bool read_sphere(Reader *r, Place at, const Params *ps, const Opts *o)
                warn_at(at, "the transform makes the sphere an ellipsoid; triangles are used");
     if (!v_finite(s.centre) || !is_finite(s.radius) || !(s.radius > 0))
         return err_at(at, "the sphere is not finite, or has no size, after the current transform");
-    return is_left_out(r) ||
-           (geometry_add_sphere(&r->scene->geometries[r->object], &s, traits_here(r), &shape) &&
+    return shape_is_left_out(r) ||
+           (geometry_add_sphere(&r->scene->geometries[r->object], &s, shape_traits(r), &shape) &&
             lightsource_shine(r, r->state.area, shape, at));
 }
 
@@ -278,8 +279,8 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
                warn_at(at, "the transform makes the disc an ellipse; triangles are used");
     if (!v_finite(d.centre) || !is_finite(d.radius) || !(d.radius > 0))
         return err_at(at, "the disc is not finite, or has no size, after the current transform");
-    return is_left_out(r) ||
-           (geometry_add_disk(&r->scene->geometries[r->object], &d, traits_here(r), &shape) &&
+    return shape_is_left_out(r) ||
+           (geometry_add_disk(&r->scene->geometries[r->object], &d, shape_traits(r), &shape) &&
             lightsource_shine(r, r->state.area, shape, at));
 }
 
@@ -293,6 +294,13 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
                    .help = "the file, as seen from that of the scene" }
 #define ZRANGE(key_, num_, help_) \
     { .key = key_, .type = OPT_FLOAT, .num = num_, .lo = -1e30, .hi = 1e30, .help = help_ }
+
+#define SUBDIVISION \
+    { .key = "subdivision", .type = OPT_CHOICE, .str = "rectangular", \
+      .choices = "rectangular triangular", .help = "of the grid" }
+#define NUMBER_BITS \
+    { .key = "bits", .type = OPT_INT, .num = 32, .lo = 16, .hi = 32, \
+      .help = "of a number of a point: 32, or 16 for fractions of their range" }
 
 static const OptDef none[] = { { .key = NULL } };
 static const OptDef file_options[] = { FILENAME, { .key = NULL } };
@@ -330,6 +338,20 @@ static const OptDef loop_options[] = {
 static const OptDef height_options[] = {
     { .key = "nu", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along u" },
     { .key = "nv", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along v" },
+    SUBDIVISION, NUMBER_BITS,
+    { .key = "smooth", .type = OPT_BOOL, .help = "shaded as a surface, not as triangles" },
+    { .key = NULL }
+};
+static const OptDef image_options[] = {
+    { .key = "surface", .type = OPT_CHOICE, .str = "sphere", .choices = "sphere torus patch",
+      .help = "what it is an image of" },
+    { .key = "side", .type = OPT_INT, .num = 64, .lo = 2, .hi = 1e5, .help = "cells a side" },
+    RADIUS,
+    { .key = "minorradius", .type = OPT_FLOAT, .num = 0.4, .lo = 1e-30, .hi = 1e30,
+      .help = "of the tube of a torus" },
+    SUBDIVISION, NUMBER_BITS,
+    { .key = "smooth", .type = OPT_BOOL, .num = 1,
+      .help = "shaded as a surface, not as triangles" },
     { .key = NULL }
 };
 
@@ -374,8 +396,14 @@ static const ShapeReader bilinearmesh = {
     shape_read_bilinear
 };
 static const ShapeReader heightfield = {
-    { "heightfield", "PBRT2 3.7", "nu x nv heights Pz over the unit square", height_options },
+    { "heightfield", "PBRT2 3.7; Cline07 3.2.2", "nu x nv heights Pz over the unit square",
+      height_options },
     shape_read_heights
+};
+static const ShapeReader geometryimage = {
+    { "geometryimage", "Cline07 3.2.2", "a grid of points on a surface made by rule",
+      image_options },
+    shape_read_image
 };
 static const ShapeReader curve = {
     { "curve", "PBRT4 6.7", "not supported: left out with a warning", none }, NULL
@@ -386,7 +414,7 @@ static const ShapeReader nurbs = {
 
 const ShapeReader *const shape_readers[] = {
     &trianglemesh, &plymesh, &obj, &loopsubdiv, &sphere, &disk, &cylinder, &cone, &paraboloid,
-    &hyperboloid, &bilinearmesh, &heightfield, &curve, &nurbs, NULL
+    &hyperboloid, &bilinearmesh, &heightfield, &geometryimage, &curve, &nurbs, NULL
 };
 
 /* ---- the directive ---- */

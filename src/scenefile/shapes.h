@@ -18,6 +18,12 @@ bool shape_normals(const Params *ps, Mesh *m);                      /* "N", "uv"
 /* Adds the mesh if ok, with the material and light of the moment; takes it over in any case. */
 bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
 
+/* Of a shape without triangles: what it has of the state of the moment, and whether it is nowhere
+ * (no material, no light). */
+ShapeTraits shape_traits(const Reader *r);
+bool shape_is_left_out(const Reader *r);
+bool shape_not_finite(Place at, const char *what, size_t i);    /* false: reported, always */
+
 /* ---- tessellated.c ---- */
 
 bool shape_distorted_sphere(Reader *r, Place at, const Opts *o, float zmin, float zmax);
@@ -28,6 +34,10 @@ bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
 bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o);
 bool shape_read_loop(Reader *r, Place at, const Params *ps, const Opts *o);
 bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o);
+
+/* ---- tessellations.c ---- */
+
 bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o);
+bool shape_read_image(Reader *r, Place at, const Params *ps, const Opts *o);
 
 #endif

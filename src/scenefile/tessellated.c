@@ -1,6 +1,6 @@
 /* tessellated.c -- shapes of the scene language that become triangles: shapes of revolution, Loop
- * subdivision, bilinear patches, height fields. Their number is bounded for the whole scene, so
- * that a few words cannot ask for all memory. */
+ * subdivision, bilinear patches. Their number is bounded for the whole scene, so that a few words
+ * cannot ask for all memory. */
 #include "scenefile/shapes.h"
 
 #include "geometry/loop.h"
@@ -225,47 +225,4 @@ bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o)
          shape_normals(ps, &m) && patches(r, at, &m, p, &fine);
     mesh_clear(&m);
     return shape_finish(r, at, &fine, ok);
-}
-
-/* ---- height fields ---- */
-
-static bool heights(Reader *r, Place at, const Param *p, uint32_t nu, uint32_t nv, Mesh *m)
-{
-    uint32_t n = nu * nv;
-
-    if (!reader_generate(r, at, 2 * (uint64_t)(nu - 1) * (nv - 1)))
-        return false;
-    m->p = MEM_ARRAY(V3, n);
-    m->uv = MEM_ARRAY(V2, n);
-    m->tri = MEM_ARRAY(Tri, 2 * (size_t)(nu - 1) * (nv - 1));
-    if (!m->p || !m->uv || !m->tri)
-        return false;
-    for (uint32_t i = 0; i < n; i++) {
-        float u = (float)(i % nu) / (float)(nu - 1), v = (float)(i / nu) / (float)(nv - 1);
-        m->p[m->nverts] = v3(u, v, (float)p->numbers[i]);
-        m->uv[m->nverts++] = (V2){ u, v };
-    }
-    for (uint32_t j = 0; j + 1 < nv; j++)
-        for (uint32_t i = 0; i + 1 < nu; i++) {
-            uint32_t a = j * nu + i, d = a + nu;
-            m->tri[m->ntris++] = (Tri){ { a, a + 1, d + 1 } };
-            m->tri[m->ntris++] = (Tri){ { a, d + 1, d } };
-        }
-    return true;
-}
-
-bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o)
-{
-    const Param *p = params_find(ps, "Pz", NULL);
-    int64_t nu = opt_int(o, "nu"), nv = opt_int(o, "nv");
-    Mesh m;
-    bool ok;
-
-    if (nu < 2 || nv < 2)
-        return err_at(at, "a heightfield needs \"integer nu\" and \"integer nv\", at least 2 each");
-    if (!p || p->kind != PARAM_FLOAT || (uint64_t)nu * (uint64_t)nv != p->n || p->n > MESH_MAX)
-        return err_at(p ? p->at : at, "a heightfield needs its heights, nu times nv \"float Pz\"");
-    memset(&m, 0, sizeof m);
-    ok = heights(r, at, p, (uint32_t)nu, (uint32_t)nv, &m);
-    return shape_finish(r, at, &m, ok);
 }
