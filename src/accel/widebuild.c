@@ -56,10 +56,11 @@ static void split_run(const Build *b, Run *r, Run *right)
     Ref *refs = b->refs + r->first;
     Extent half[2];
     uint32_t k, first = r->first, count = r->count;
+    size_t block = b->wide->lean ? LEAN_BLOCK : LEAF;
     int depth = r->depth + 1;
 
     if (r->depth < REFS_DEPTH_SAH)
-        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, b->wide->lean ? LEAN_BLOCK : LEAF, half);
+        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, block, half);
     else {
         k = (uint32_t)refs_split_median(refs, count, r->extent.centres);
         half[0] = refs_extent(refs, k);
