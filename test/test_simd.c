@@ -149,7 +149,7 @@ static void rows(void)
     Rng r = rng_seed(5);
 
     for (int i = 0; i < 1000; i++) {
-        float p[4][4], out[3][4];
+        float p[4][4], out[3][4], joined[8];
         uint32_t a[8], b[8], c[8], sum[8], less[8], left[8], chosen[8];
         unsigned char small[8];
         F4 row[3];
@@ -170,6 +170,9 @@ static void rows(void)
             for (int l = 0; l < 4; l++)
                 ok = ok && same(out[k][l], p[l][k]);
         }
+        f8_store(joined, f8_join(f4_load_any(p[0]), f4_load_any(p[1])));
+        for (int k = 0; k < 8; k++)
+            ok = ok && same(joined[k], p[k / 4][k % 4]);
         x = i8_load(a);
         y = i8_load(b);
         i8_store(sum, i8_add(x, y));

@@ -144,29 +144,34 @@ INLINE Below node_child(const Wide *w, bool lean, Below at, int k)
            n->end[k];
 }
 
-/* A leaf of form lean, four triangles at a time: their corners are fetched from the mesh. */
+INLINE void block_meets(const TriangleBlock *b, int n, const Probe *p, Hit *best)
+{
+    BlockView v;
+    int bits = triangle_block_test(b, n, p, &v);
+
+    for (; bits; bits &= bits - 1)
+        triangle_block_accept(b, LOWEST_BIT(bits), p, &v, best);
+}
+
+/* A leaf of form lean: its triangles are fetched from the mesh. */
 INLINE void lean_leaf_meets(const Wide *w, Below at, const Ray *r, const Probe *p, Hit *best,
                             bool any, Steps *steps)
 {
-    const Geometry *g = w->base.geo;
-    Below place = leaf_place(at), end = place + (Below)leaf_count(at);
+    Below place = leaf_place(at);
+    int n = leaf_count(at);
+    uint32_t prim[LEAF];
+    TriangleBlock b;
 
-    for (; place < end; place += 4) {
-        uint32_t prim[4];
-        FourView v;
-        int bits;
-        for (Below k = 0; k < 4; k++) {
-            Below i = place + k < end ? place + k : end - 1;
-            prim[k] = w->order ? w->order[i] : i;
-        }
-        if (UNLIKELY(!geometry_is_tri(g, prim[0]))) {
-            prim_meets(&w->base, prim[0], r, p, best, any, steps);
-            return;
-        }
-        bits = triangle_four_test(g, prim, (int)(end - place), p, &v);
-        for (; bits; bits &= bits - 1)
-            triangle_four_accept(g, prim, LOWEST_BIT(bits), p, &v, best);
+    for (int k = 0; k < LEAF; k++) {
+        Below i = place + (Below)(k < n ? k : n - 1);
+        prim[k] = w->order ? w->order[i] : i;
     }
+    if (UNLIKELY(!geometry_is_tri(w->base.geo, prim[0]))) {
+        prim_meets(&w->base, prim[0], r, p, best, any, steps);
+        return;
+    }
+    triangle_block_fetch(&b, w->base.geo, prim, n);
+    block_meets(&b, n, p, best);
 }
 
 /* What is in a leaf against the ray: *best as for prim_meets. */
@@ -177,13 +182,8 @@ INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const P
         lean_leaf_meets(w, at, r, p, best, any, steps);
     else if (UNLIKELY(is_odd(at)))
         prim_meets(&w->base, at & ~BELOW_ODD, r, p, best, any, steps);
-    else {
-        const TriangleBlock *b = &w->blocks[leaf_place(at)];
-        BlockView v;
-        int bits = triangle_block_test(b, leaf_count(at), p, &v);
-        for (; bits; bits &= bits - 1)
-            triangle_block_accept(b, LOWEST_BIT(bits), p, &v, best);
-    }
+    else
+        block_meets(&w->blocks[leaf_place(at)], leaf_count(at), p, best);
 }
 
 /* How many primitives are looked at there. */

@@ -52,11 +52,11 @@ void *mem_array(size_t n, size_t size)
     Header *h;
     size_t bytes;
 
-    if (size && n > (SIZE_MAX / 2 - sizeof *h) / size) {
+    if (size && n > (SIZE_MAX / 2 - sizeof *h - MEM_BEYOND) / size) {
         err_memory(SIZE_MAX);
         return NULL;
     }
-    bytes = n * size + sizeof *h;
+    bytes = n * size + sizeof *h + MEM_BEYOND;
     if (!admit(bytes, 0)) {
         err_memory(bytes);
         return NULL;
@@ -82,11 +82,11 @@ bool mem_grow(void *array, size_t *cap, size_t need, size_t size)
     memcpy(&old, array, sizeof old);
     if (room < need)
         room = need;
-    if (room > (SIZE_MAX / 2 - sizeof *h) / size)
+    if (room > (SIZE_MAX / 2 - sizeof *h - MEM_BEYOND) / size)
         return err_memory(SIZE_MAX);
     h = old ? (Header *)old - 1 : NULL;
     had = h ? h->bytes : 0;
-    bytes = room * size + sizeof *h;
+    bytes = room * size + sizeof *h + MEM_BEYOND;
     if (!admit(bytes, had))
         return err_memory(bytes);
     grown = realloc(h, bytes);

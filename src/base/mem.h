@@ -9,6 +9,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Bytes behind every block that may be read, so that the last three floats of an array can be
+ * loaded as four. What they are is of no concern. */
+enum { MEM_BEYOND = 16 };
+
 void *mem_array(size_t n, size_t size);                 /* n * size bytes, zeroed */
 #define MEM_NEW(T)      ((T *)mem_array(1, sizeof(T)))
 #define MEM_ARRAY(T, n) ((T *)mem_array((n), sizeof(T)))

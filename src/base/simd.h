@@ -177,6 +177,7 @@ typedef __m256 F8;
 
 INLINE F8 f8_all(float a) { return _mm256_set1_ps(a); }
 INLINE F8 f8_load(const float *p) { return _mm256_loadu_ps(p); }
+INLINE F8 f8_join(F4 a, F4 b) { return _mm256_set_m128(b, a); }
 INLINE void f8_store(float *p, F8 a) { _mm256_storeu_ps(p, a); }
 /* Eight whole numbers as floats. */
 INLINE F8 f8_load_u16(const uint16_t *p)
@@ -208,6 +209,7 @@ typedef struct { float v[8]; } F8;
 
 INLINE F8 f8_all(float a) { F8 r; F8_EACH(r, a); return r; }
 INLINE F8 f8_load(const float *p) { F8 r; F8_EACH(r, p[k]); return r; }
+INLINE F8 f8_join(F4 a, F4 b) { F8 r; F8_EACH(r, f4_lane(k < 4 ? a : b, k & 3)); return r; }
 INLINE void f8_store(float *p, F8 a) { for (int k = 0; k < 8; k++) p[k] = a.v[k]; }
 INLINE F8 f8_load_u16(const uint16_t *p) { F8 r; F8_EACH(r, (float)p[k]); return r; }
 INLINE F8 f8_load_u8(const unsigned char *p) { F8 r; F8_EACH(r, (float)p[k]); return r; }

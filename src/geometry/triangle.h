@@ -22,6 +22,8 @@
 
 #include "geometry/geometry.h"
 
+#include <string.h>
+
 /* V3 is three floats in a row, so a component can be picked by number without a branch. */
 typedef char v3_is_three_floats[offsetof(V3, z) == 2 * sizeof(float) ? 1 : -1];
 INLINE float v_pick(const V3 *v, int k) { return (&v->x)[k]; }
@@ -134,6 +136,32 @@ typedef struct {
 
 void triangle_block_init(TriangleBlock *b, const Geometry *g, const uint32_t *prims, int n);
 
+/* Rows of coordinates of the k-th corners of four triangles. Of the points four floats are loaded:
+ * see MEM_BEYOND. */
+INLINE void triangle_rows(const Geometry *g, const uint32_t prim[4], int k, F4 row[3])
+{
+    f4_transpose(f4_load_any(&g->p[g->tri[prim[0]].v[k]].x),
+                 f4_load_any(&g->p[g->tri[prim[1]].v[k]].x),
+                 f4_load_any(&g->p[g->tri[prim[2]].v[k]].x),
+                 f4_load_any(&g->p[g->tri[prim[3]].v[k]].x), row);
+}
+
+/* The same on the way of a query: prims must have eight entries, whatever n. The lanes that are not
+ * used have copies of others. */
+INLINE void triangle_block_fetch(TriangleBlock *b, const Geometry *g, const uint32_t prims[8],
+                                 int n)
+{
+    for (int k = 0; k < 3; k++) {
+        F4 low[3], high[3];
+        triangle_rows(g, prims, k, low);
+        if (n > 4)
+            triangle_rows(g, prims + 4, k, high);
+        for (int axis = 0; axis < 3; axis++)
+            f8_store(b->p[k][axis], f8_join(low[axis], n > 4 ? high[axis] : low[axis]));
+    }
+    memcpy(b->prim, prims, sizeof b->prim);
+}
+
 /* The corners of a block as the ray sees them. */
 typedef union { float lane[3][3][8]; F8 align; } BlockView;    /* [corner][x, y, z][triangle] */
 
@@ -182,69 +210,6 @@ INLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
     v.c = triangle_lane(view->lane[2], k);
     return triangle_accept(triangle_lane(b->p[0], k), triangle_lane(b->p[1], k),
                            triangle_lane(b->p[2], k), &v, b->prim[k], r, h);
-}
-
-/* ---- four of a mesh ---- */
-
-/* The corners of four triangles as the ray sees them. */
-typedef union { float lane[3][3][4]; F4 align; } FourView;     /* [corner][x, y, z][triangle] */
-
-/* triangle_block_test for four triangles whose corners are fetched from the mesh; n of them are of
- * concern. */
-INLINE int triangle_four_test(const Geometry *g, const uint32_t prim[4], int n, const Probe *r,
-                              FourView *v)
-{
-    F4 x[3], y[3], z[3], e[3], least, most, size, ahead, zero = f4_all(0.0f);
-    F4 forward = f4_all(r->sz < 0.0f ? -1.0f : 1.0f);
-    const Tri *t[4];
-    int out;
-
-    for (int k = 0; k < 4; k++)
-        t[k] = &g->tri[prim[k]];
-    for (int k = 0; k < 3; k++) {
-        FourView c;                             /* to pick axes by number */
-        F4 row[3];
-        f4_transpose(f4_load_any(&g->p[t[0]->v[k]].x), f4_load_any(&g->p[t[1]->v[k]].x),
-                     f4_load_any(&g->p[t[2]->v[k]].x), f4_load_any(&g->p[t[3]->v[k]].x), row);
-        for (int axis = 0; axis < 3; axis++)
-            f4_store_any(c.lane[0][axis], row[axis]);
-        z[k] = f4_sub(f4_load_any(c.lane[0][r->kz]), f4_all(r->oz));
-        x[k] = f4_sub(f4_sub(f4_load_any(c.lane[0][r->kx]), f4_all(r->ox)),
-                      f4_mul(f4_all(r->sx), z[k]));
-        y[k] = f4_sub(f4_sub(f4_load_any(c.lane[0][r->ky]), f4_all(r->oy)),
-                      f4_mul(f4_all(r->sy), z[k]));
-    }
-    e[0] = f4_sub(f4_mul(x[2], y[1]), f4_mul(y[2], x[1]));
-    e[1] = f4_sub(f4_mul(x[0], y[2]), f4_mul(y[0], x[2]));
-    e[2] = f4_sub(f4_mul(x[1], y[0]), f4_mul(y[1], x[0]));
-    least = f4_min(e[0], f4_min(e[1], e[2]));
-    most = f4_max(e[0], f4_max(e[1], e[2]));
-    size = f4_min(f4_abs(e[0]), f4_min(f4_abs(e[1]), f4_abs(e[2])));
-    ahead = f4_max(f4_mul(z[0], forward), f4_max(f4_mul(z[1], forward), f4_mul(z[2], forward)));
-    out = (f4_less(least, zero) & f4_less(zero, most) & f4_less(zero, size)) |
-          f4_at_most(ahead, zero);
-    out = ~out & ((1 << (n < 4 ? n : 4)) - 1);
-    if (out)
-        for (int k = 0; k < 3; k++) {
-            f4_store_any(v->lane[k][0], x[k]);
-            f4_store_any(v->lane[k][1], y[k]);
-            f4_store_any(v->lane[k][2], z[k]);
-        }
-    return out;
-}
-
-INLINE V3 triangle_four_lane(const float p[3][4], int k) { return v3(p[0][k], p[1][k], p[2][k]); }
-
-/* triangle_accept for the k-th of the four. */
-INLINE bool triangle_four_accept(const Geometry *g, const uint32_t prim[4], int k, const Probe *r,
-                                 const FourView *view, Hit *h)
-{
-    TriangleView v;
-
-    v.a = triangle_four_lane(view->lane[0], k);
-    v.b = triangle_four_lane(view->lane[1], k);
-    v.c = triangle_four_lane(view->lane[2], k);
-    return triangle_accept_prim(g, prim[k], r, &v, h);
 }
 
 /* ---- one ---- */
