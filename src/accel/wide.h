@@ -198,11 +198,10 @@ enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);
 void wide_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
 
-/* The same of so many rays that go the same way, see widegroup.c; and whether they do. w has
- * leaves. */
+/* The same of so many rays that go the same way, see widegroup.c; and whether they do. h is NULL
+ * where any hit will do. w has leaves. */
 enum { WIDE_GROUP = 16 };
 bool wide_group_coheres(const Ray *r);
-void wide_group_nearest(const Wide *w, const Ray *r, Hit *h, bool *hit);
-void wide_group_blocked(const Wide *w, const Ray *r, bool *blocked);
+void wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit);
 
 #endif

@@ -182,18 +182,14 @@ INLINE void group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h
     }
 }
 
-void wide_group_nearest(const Wide *w, const Ray *r, Hit *h, bool *hit)
+void wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit)
 {
-    if (w->lean)
+    if (w->lean && h)
         group_query(w, true, false, r, h, hit);
-    else
+    else if (w->lean)
+        group_query(w, true, true, r, NULL, hit);
+    else if (h)
         group_query(w, false, false, r, h, hit);
-}
-
-void wide_group_blocked(const Wide *w, const Ray *r, bool *blocked)
-{
-    if (w->lean)
-        group_query(w, true, true, r, NULL, blocked);
     else
-        group_query(w, false, true, r, NULL, blocked);
+        group_query(w, false, true, r, NULL, hit);
 }

@@ -98,7 +98,7 @@ INLINE void step_node(Walk *x, const Wide *w, bool lean, bool any)
 }
 
 /* h is NULL where any hit will do. */
-INLINE void fly(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
+INLINE void fly_as(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
 {
     Walk walk[FLIGHT];
     Queue nodes, leaves;
@@ -151,45 +151,46 @@ INLINE void fly(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *
     }
 }
 
+static void fly(const Wide *w, const Ray *r, Hit *h, bool *hit, size_t n)
+{
+    if (w->lean && h)
+        fly_as(w, true, false, r, h, hit, n);
+    else if (w->lean)
+        fly_as(w, true, true, r, NULL, hit, n);
+    else if (h)
+        fly_as(w, false, false, r, h, hit, n);
+    else
+        fly_as(w, false, true, r, NULL, hit, n);
+}
+
 /* Rays that go the same way as their neighbours fly as a group, the others run by run. */
-INLINE void many(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
+static void many(const Wide *w, const Ray *r, Hit *h, bool *hit, size_t n)
 {
     size_t from = 0, at = 0;
 
     for (; at + WIDE_GROUP <= n; at += WIDE_GROUP) {
         if (!wide_group_coheres(r + at))
             continue;
-        fly(w, lean, any, r + from, any ? NULL : h + from, hit + from, at - from);
-        if (any)
-            wide_group_blocked(w, r + at, hit + at);
-        else
-            wide_group_nearest(w, r + at, h + at, hit + at);
+        fly(w, r + from, h ? h + from : NULL, hit + from, at - from);
+        wide_group(w, r + at, h ? h + at : NULL, hit + at);
         from = at + WIDE_GROUP;
     }
-    fly(w, lean, any, r + from, any ? NULL : h + from, hit + from, n - from);
+    fly(w, r + from, h ? h + from : NULL, hit + from, n - from);
 }
 
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n)
 {
-    const Wide *w = (const Wide *)a;
-
-    if (a->leaves == 0)
+    if (a->leaves)
+        many((const Wide *)a, r, h, hit, n);
+    else
         for (size_t i = 0; i < n; i++)
             hit[i] = hit_none(&h[i], r[i].tmax);
-    else if (w->lean)
-        many(w, true, false, r, h, hit, n);
-    else
-        many(w, false, false, r, h, hit, n);
 }
 
 void wide_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n)
 {
-    const Wide *w = (const Wide *)a;
-
-    if (a->leaves == 0)
-        memset(blocked, 0, n * sizeof *blocked);
-    else if (w->lean)
-        many(w, true, true, r, NULL, blocked, n);
+    if (a->leaves)
+        many((const Wide *)a, r, NULL, blocked, n);
     else
-        many(w, false, true, r, NULL, blocked, n);
+        memset(blocked, 0, n * sizeof *blocked);
 }
