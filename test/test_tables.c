@@ -1,5 +1,5 @@
-/* test_tables.c -- the tables of the document on memory: its cells follow from its formulas and from
- * the structures as they are. */
+/* test_tables.c -- the document's table of memory: its cells follow from formulas, and from the
+ * structures as they are. */
 #include "accel/accel.h"
 #include "base/mem.h"
 #include "bench/printed.h"
