@@ -94,11 +94,15 @@ static void each_made(uint64_t most, void (*f)(const Model *m))
 
 /* ---- the user's ---- */
 
-/* Is `name` up to its extension this word? Case does not count. */
+/* Case does not count. */
+static bool is_word(const char *s, size_t n, const char *word)
+{
+    return word_is_nocase((Word){ s, n }, word);
+}
+
 static bool is_stem(const char *name, const char *word)
 {
-    Word stem = { name, strlen(name) - strlen(path_extension(name)) - 1 };
-    return word_is_nocase(stem, word);
+    return is_word(name, strlen(name) - strlen(path_extension(name)) - 1, word);
 }
 
 static const PrintedScene *scene_named(const char *file)
@@ -137,7 +141,7 @@ static int by_name(const void *a, const void *b)
 static bool is_mesh(const char *name)
 {
     const char *ext = path_extension(name);
-    return !strcmp(ext, "ply") || !strcmp(ext, "obj");
+    return is_word(ext, strlen(ext), "ply") || is_word(ext, strlen(ext), "obj");
 }
 
 static void each_file(const char *folder, void (*f)(const Model *m))

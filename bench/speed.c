@@ -48,7 +48,20 @@ bool cast_primary(CastScene *c, const char *text, const RaySet *primary, Primary
 
 /* ---- the table ---- */
 
-/* Times as they are, then as parts of that of the BVH. */
+/* In parts of the time of one structure. */
+static void print_parts(const double *v, int of)
+{
+    char what[24];
+
+    if (!(v[of] > 0))
+        return;
+    snprintf(what, sizeof what, "of %s", table_column(of)->name);
+    line_head("", what);
+    for (int i = 0; i < COLUMNS; i++)
+        cell(v[i] / v[of], 2, v[i] > 0, ' ');
+    printf("\n");
+}
+
 static void print_times(const double *v, const char *who, int digits)
 {
     char what[24];
@@ -58,12 +71,8 @@ static void print_times(const double *v, const char *who, int digits)
     for (int i = 0; i < COLUMNS; i++)
         cell(v[i], digits, v[i] > 0, ' ');
     printf("\n");
-    if (!(v[PRINTED_BVH] > 0))
-        return;
-    line_head("", "of BVH");
-    for (int i = 0; i < COLUMNS; i++)
-        cell(v[i] / v[PRINTED_BVH], 2, v[i] > 0, ' ');
-    printf("\n");
+    print_parts(v, PRINTED_BVH);
+    print_parts(v, PRINTED_SHORT);
 }
 
 static void print_counts(const PrimaryCost *cost)
