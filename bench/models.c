@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum { FRONT = 13, WHAT = 13 };
-#define FULL_LEAST 10000000     /* triangles of what is large: some minutes, and 6.3 GB while built */
+#define FULL_LEAST 10000000     /* triangles of what is large: minutes, and 6.3 GB while built */
 
 /* ---- made by rule ---- */
 
