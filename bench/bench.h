@@ -4,11 +4,26 @@
 
 #include "base/clock.h"
 #include "base/work.h"
+#include "render/cast.h"
 #include "render/render.h"
 
 void bench_load(void);          /* reading and building a million triangles */
 void bench_rays(void);          /* every accelerator over one mesh, by kind of ray */
 void bench_paths(void);         /* paths a CPU-second on the Cornell boxes */
 void bench_error(void);         /* error after 20 CPU-seconds, where a reference is at hand */
+void bench_memory(void);        /* table 3.1 of the document */
+void bench_speed(void);         /* table 3.2 */
+void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
+
+/* The rays of table 3.2 for a scene, with the answers of the default structure. False: reported. */
+bool primary_rays(CastScene *c, RaySet *primary);
+
+/* What a structure costs to cast them. */
+typedef struct {
+    double seconds, boxes, tests;       /* of all; of nodes and of triangles, a ray */
+    uint64_t nodes;
+    size_t bytes;
+} PrimaryCost;
+bool cast_primary(CastScene *c, const char *config, const RaySet *primary, PrimaryCost *cost);
 
 #endif

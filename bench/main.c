@@ -1,7 +1,7 @@
-/* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Tabbed lines on
- * standard output; figures of the best peers stand beside ours where there are any. Each figure is
- * the median of several runs after a warm-up, in CPU time of the process; what was computed is
- * checked, and a line that fails its check says WRONG. */
+/* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Lines with tabs, or
+ * tables, on standard output; figures of the best peers, and of the document, stand beside ours
+ * where there are any. Each figure is the median of several runs after a warm-up, in CPU time of
+ * the process; what was computed is checked, and a line that fails its check says WRONG. */
 #include "bench/bench.h"
 
 #include <stdio.h>
@@ -10,7 +10,8 @@
 
 static const struct { const char *name; void (*run)(void); } benches[] = {
     { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
-    { "error", bench_error },
+    { "error", bench_error }, { "memory", bench_memory }, { "speed", bench_speed },
+    { "arity", bench_arity },
 };
 
 static void machine(void)

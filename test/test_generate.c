@@ -195,6 +195,16 @@ static void random_bodies(void)
     EXPECT(memcmp(m.p, again.p, m.nverts * sizeof *m.p), "bumpy: the seed has no effect");
     mesh_clear(&again);
     mesh_clear(&m);
+    for (uint32_t n = 80; n < 700; n += 2) {
+        check("bumpy of", mesh_bumpy_of(&m, n, n), &m, n / 2 + 2, n);
+        check_closed("bumpy of", &m, 2);
+        mesh_clear(&m);
+    }
+    REQUIRE(mesh_bumpy_of(&m, 1000, 1) && mesh_bumpy_of(&again, 999, 1), "bumpy of");
+    EXPECT(again.ntris == 999 && again.nverts == m.nverts &&
+           !memcmp(again.tri, m.tri, 999 * sizeof *m.tri), "bumpy of: an odd number");
+    mesh_clear(&again);
+    mesh_clear(&m);
     check("soup", mesh_soup(&m, 1000, 0.1f, 5), &m, 3000, 1000);
     for (uint32_t i = 0; i < m.nverts; i++)
         EXPECT(v_max3(v_abs(v_sub(m.p[i], v_all(0.5f)))) < 0.55001f, "soup: far out");
@@ -240,6 +250,7 @@ static void refusals(void)
     REFUSES(mesh_torus(&m, 3, 2, 1.0f, 0.5f), "tube");
     REFUSES(mesh_torus(&m, 3, 3, 1.0f, 1.5f), "major > minor");
     REFUSES(mesh_torus(&m, 3, 3, NAN, 1.0f), "major > minor");
+    REFUSES(mesh_bumpy_of(&m, 79, 1), "80 to");
     REFUSES(mesh_soup(&m, 0xFFFFFFFFu, 0.1f, 0), "too many");
     REFUSES(mesh_soup(&m, 1, 0.0f, 0), "above 0");
     REFUSES(mesh_grid(&m, 0, 1), "columns");

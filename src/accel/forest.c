@@ -50,6 +50,16 @@ static uint32_t piece_begin(uint32_t count, uint32_t n, uint32_t i)
     return (uint32_t)((uint64_t)count * i / n);
 }
 
+uint64_t forest_nodes(Form f, uint32_t count)
+{
+    uint32_t n = pieces_of(f, count);
+    uint64_t nodes = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        nodes += tree_of(f, 0, piece_begin(count, n, i + 1) - piece_begin(count, n, i)).nodes;
+    return nodes;
+}
+
 /* The triangles of any node: from its leftmost to its rightmost leaf. */
 static void node_range(const Tree *t, Form f, uint32_t j, uint32_t *from, uint32_t *to)
 {

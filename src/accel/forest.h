@@ -48,6 +48,9 @@ typedef struct {
       .help = "most triangles of a tree; 0: a mesh has one" }
 Form forest_form(const Opts *o);
 
+/* Nodes of the trees over a mesh of so many triangles. */
+uint64_t forest_nodes(Form f, uint32_t count);
+
 /* Puts the triangles of all meshes into the order of the leaves. False: memory ran out. */
 bool forest_arrange(Geometry *g, Form f);
 

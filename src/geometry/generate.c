@@ -3,6 +3,8 @@
 
 #include "base/random.h"
 
+#include <string.h>
+
 static bool in_range(const char *mesh, const char *what, uint32_t v, uint32_t lo, uint32_t hi)
 {
     return (v >= lo && v <= hi) ||
@@ -313,6 +315,49 @@ bool mesh_bumpy(Mesh *m, uint32_t n, uint64_t seed)
         return false;
     make_waves(m, 12.0f, seed);
     return true;
+}
+
+/* Cuts `cuts` triangles of a unit sphere, evenly chosen, into three each about a new vertex, but
+ * makes no more than ntris. */
+static void cut_to(Mesh *m, uint32_t cuts, uint32_t ntris)
+{
+    uint32_t whole = m->ntris, first = m->nverts - cuts;
+
+    for (uint32_t i = 0; i < cuts; i++) {
+        uint32_t k = (uint32_t)((uint64_t)i * whole / cuts), v = first + i;
+        Tri t = m->tri[k];
+        V3 sum = v_add(v_add(m->p[t.v[0]], m->p[t.v[1]]), m->p[t.v[2]]);
+        m->p[v] = v_unit(sum);
+        m->tri[k].v[2] = v;
+        add(m, t.v[1], t.v[2], v);
+        if (m->ntris < ntris)
+            add(m, t.v[2], t.v[0], v);
+    }
+}
+
+bool mesh_bumpy_of(Mesh *m, uint32_t ntris, uint64_t seed)
+{
+    uint32_t n = 2, cuts;
+    Mesh base;
+    bool ok;
+
+    if (!in_range("bumpy body", "triangles", ntris, 80, 2000000000))
+        return false;
+    while (n < 10000 && 20 * (n + 1) * (n + 1) <= ntris)
+        n++;
+    cuts = (ntris - 20 * n * n + 1) / 2;
+    if (!mesh_icosphere(&base, n))
+        return false;
+    ok = begin(m, base.nverts + (uint64_t)cuts, ntris);
+    if (ok) {
+        memcpy(m->p, base.p, base.nverts * sizeof *m->p);
+        memcpy(m->tri, base.tri, base.ntris * sizeof *m->tri);
+        m->ntris = base.ntris;
+        cut_to(m, cuts, ntris);
+        make_waves(m, 12.0f, seed);
+    }
+    mesh_clear(&base);
+    return ok;
 }
 
 bool mesh_blob(Mesh *m, uint64_t seed)

@@ -30,6 +30,10 @@ bool mesh_torus(Mesh *m, uint32_t nu, uint32_t nv, float major, float minor);
 /* An icosphere whose radius varies between 0.7 and 1.3 by random waves. */
 bool mesh_bumpy(Mesh *m, uint32_t n, uint64_t seed);
 
+/* The same with exactly ntris triangles, 80 at least: some of the icosphere's are cut into three.
+ * An odd number leaves a hole of one triangle. */
+bool mesh_bumpy_of(Mesh *m, uint32_t ntris, uint64_t seed);
+
 /* A lumpy body of 102 vertices and 200 triangles, radius between 0.7 and 1.3. */
 bool mesh_blob(Mesh *m, uint64_t seed);
 

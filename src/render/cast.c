@@ -308,9 +308,11 @@ static bool measure_set(CastScene *c, const CastConfig *config, const CastOrder 
     if (!agrees_singly(c, config->text, s, &steps))
         return false;
     row->sets[k].single = speed(a, s, o->runs, NULL);
-    if (!agrees_in_batches(c, config->text, s, b))
-        return false;
-    row->sets[k].batch = speed(a, s, o->runs, b);
+    if (b->n) {
+        if (!agrees_in_batches(c, config->text, s, b))
+            return false;
+        row->sets[k].batch = speed(a, s, o->runs, b);
+    }
     if (s->n) {
         row->sets[k].nodes = (double)steps.nodes / (double)s->n;
         row->sets[k].prims = (double)steps.prims / (double)s->n;

@@ -98,7 +98,7 @@ bool cast_reference(CastScene *c, RaySet *sets, int n, bool *differs);
 typedef struct {
     int threads;                /* that "all threads" means */
     int runs;                   /* the median of so many after a warm-up; 0: no speed */
-    size_t batch;               /* rays a call of the batched queries */
+    size_t batch;               /* rays a call of the batched queries; 0: none is made */
 } CastOrder;
 
 typedef struct {
