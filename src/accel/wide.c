@@ -74,10 +74,17 @@ static Accel *arrange(Geometry *g, const Opts *o, int threads)
 
 /* ---- queries of one ray ---- */
 
-/* Of the children in `bits`, one at least, the nearest is returned, the others are put on the
- * stack. Where any hit will do the order is of no concern. */
-INLINE Below next_child(const Wide *w, bool lean, Below at, int bits, F8 near, bool any,
-                        Waiting **top)
+/* Of the children in `bits`, one at least, the last is returned, the others are put on the stack,
+ * with no distance: where any hit will do that is of no concern. */
+INLINE Below any_child(const Wide *w, bool lean, Below at, int bits, Waiting **top)
+{
+    for (; bits; bits &= bits - 1)
+        *(*top)++ = node_child(w, lean, at, LOWEST_BIT(bits));
+    return (Below)*--*top;
+}
+
+/* The nearest is returned. */
+INLINE Below nearest_child(const Wide *w, bool lean, Below at, int bits, F8 near, Waiting **top)
 {
     Waiting next;
     float lane[WIDTH];
@@ -89,8 +96,8 @@ INLINE Below next_child(const Wide *w, bool lean, Below at, int bits, F8 near, b
         Waiting other;
         k = LOWEST_BIT(bits);
         other = waiting(lane[k], node_child(w, lean, at, k));
-        *(*top)++ = other > next || any ? other : next;
-        next = other > next || any ? next : other;
+        *(*top)++ = other > next ? other : next;
+        next = other > next ? next : other;
     }
     return (Below)next;
 }
@@ -113,7 +120,8 @@ INLINE bool query(const Wide *w, bool lean, const Ray *r, Hit *h, bool any, Step
             if (steps)
                 steps->nodes++;
             if (bits) {
-                at = next_child(w, lean, at, bits, near, any, &top);
+                at = any ? any_child(w, lean, at, bits, &top)
+                         : nearest_child(w, lean, at, bits, near, &top);
                 continue;
             }
         } else {
