@@ -199,9 +199,9 @@ void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n
 void wide_blocked_many(const Accel *a, const Ray *r, bool *blocked, size_t n);
 
 /* The same of so many rays that go the same way, see widegroup.c; and whether they do. h is NULL
- * where any hit will do. w has leaves. */
+ * where any hit will do. w has leaves. False: they had better go singly. */
 enum { WIDE_GROUP = 16 };
 bool wide_group_coheres(const Ray *r);
-void wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit);
+bool wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit);
 
 #endif

@@ -9,7 +9,8 @@
  *         depend on its company. */
 #include "accel/wide.h"
 
-enum { GROUP = WIDE_GROUP, HALVES = GROUP / 8 };
+/* NODES_MOST: where triangles are finer than the rays are apart, a group is no gain. */
+enum { GROUP = WIDE_GROUP, HALVES = GROUP / 8, NODES_MOST = 48 };
 
 /* What waits, and which rays may go there. */
 typedef struct { float near; Below below; uint32_t rays; } Stop;
@@ -157,9 +158,11 @@ INLINE void group_leaf(Group *g, const Wide *w, bool lean, bool any, Stop at)
         g->tmax = f_max(g->tmax, g->t[LOWEST_BIT(rays)]);
 }
 
-INLINE void group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit)
+/* False: it took too long, since each ray wants nodes of its own; nothing was written. */
+INLINE bool group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit)
 {
     Stop stack[WIDE_STACK], *top = stack;
+    int nodes = 0;
     Group g;
 
     group_init(&g, r);
@@ -168,9 +171,11 @@ INLINE void group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h
         Stop at = *--top;
         if (at.near > g.tmax)
             continue;
-        if (is_node(at.below))
+        if (is_node(at.below)) {
+            if (++nodes > NODES_MOST)
+                return false;
             top = push_children(&g, w, lean, at.below, top);
-        else
+        } else
             group_leaf(&g, w, lean, any, at);
     }
     for (int k = 0; k < GROUP; k++) {
@@ -180,16 +185,13 @@ INLINE void group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h
         else if (!any)
             hit_none(&h[k], r[k].tmax);
     }
+    return true;
 }
 
-void wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit)
+bool wide_group(const Wide *w, const Ray *r, Hit *h, bool *hit)
 {
-    if (w->lean && h)
-        group_query(w, true, false, r, h, hit);
-    else if (w->lean)
-        group_query(w, true, true, r, NULL, hit);
-    else if (h)
-        group_query(w, false, false, r, h, hit);
-    else
-        group_query(w, false, true, r, NULL, hit);
+    if (w->lean)
+        return h ? group_query(w, true, false, r, h, hit)
+                 : group_query(w, true, true, r, NULL, hit);
+    return h ? group_query(w, false, false, r, h, hit) : group_query(w, false, true, r, NULL, hit);
 }

@@ -6,7 +6,7 @@
  *         own steps are the same. */
 #include "accel/wide.h"
 
-enum { FLIGHT = 16 };
+enum { FLIGHT = 16, UNTRIED = 7 };
 
 /* A ray on its way. */
 typedef struct {
@@ -163,7 +163,8 @@ static void fly(const Wide *w, const Ray *r, Hit *h, bool *hit, size_t n)
         fly_as(w, false, true, r, NULL, hit, n);
 }
 
-/* Rays that go the same way as their neighbours fly as a group, the others run by run. */
+/* Rays that go the same way as their neighbours fly as a group, the others run by run. Where a
+ * group was no gain the next ones are not tried. */
 static void many(const Wide *w, const Ray *r, Hit *h, bool *hit, size_t n)
 {
     size_t from = 0, at = 0;
@@ -171,8 +172,11 @@ static void many(const Wide *w, const Ray *r, Hit *h, bool *hit, size_t n)
     for (; at + WIDE_GROUP <= n; at += WIDE_GROUP) {
         if (!wide_group_coheres(r + at))
             continue;
+        if (!wide_group(w, r + at, h ? h + at : NULL, hit + at)) {
+            at += UNTRIED * WIDE_GROUP;
+            continue;
+        }
         fly(w, r + from, h ? h + from : NULL, hit + from, at - from);
-        wide_group(w, r + at, h ? h + at : NULL, hit + at);
         from = at + WIDE_GROUP;
     }
     fly(w, r + from, h ? h + from : NULL, hit + from, n - from);
