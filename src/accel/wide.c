@@ -6,7 +6,8 @@
  *             does for all. A leaf is up to eight triangles, or one odd primitive. Two forms:
  *             lean  a plane is a byte, a fraction of the node's box, rounded outwards: 92 bytes a
  *                   node. Triangles stay in the mesh, in leaf order if it is the only one of the
- *                   geometry; else a list says which they are. 4 or 8 bytes a triangle.
+ *                   geometry; else a list says which they are. 4 to 6 bytes a triangle,
+ *                   and 4 for the list.
  *             fast  planes as they are, 256 bytes a node, and leaves with copies of their
  *                   triangles, one lane each. 100 to 130 bytes a triangle.
  *             auto takes fast for what is small enough to stay in a cache.
@@ -268,7 +269,7 @@ static bool validate(const Accel *a, char *why, size_t room)
 
 static const OptDef options[] = {
     { .key = "form", .type = OPT_CHOICE, .str = "auto", .choices = "auto lean fast",
-      .help = "4 or 8 bytes a triangle, or over 100 and half as fast again" },
+      .help = "about 5 bytes a triangle, 9 where it takes a list; or over 100 and faster" },
     { .key = NULL }
 };
 
