@@ -144,19 +144,27 @@ static void small(void)
 
 /* ---- arranging ---- */
 
-static double tests_a_ray(const Setting *s, const Geometry *g)
+/* What rays from all around cost that pass within `near` of the middle. */
+static Steps costs(const Accel *a, int rays, float near)
 {
-    Accel *a = setting_build(s, g);
     Rng rng = rng_seed(44);
     Steps steps = { 0, 0 };
 
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < rays; i++) {
         Ray r = { .tmax = INFINITY };
         Hit h;
         r.o = v_scale(rng_direction(&rng), 3.0f);
-        r.d = v_sub(v_scale(rng_direction(&rng), 0.5f), r.o);
+        r.d = v_sub(v_scale(rng_direction(&rng), near), r.o);
         a->kind->nearest(a, &r, &h, &steps);
     }
+    return steps;
+}
+
+static double tests_a_ray(const Setting *s, const Geometry *g)
+{
+    Accel *a = setting_build(s, g);
+    Steps steps = costs(a, 2000, 0.5f);
+
     accel_free(a);
     return (double)(steps.nodes + steps.prims) / 2000;
 }
@@ -238,27 +246,20 @@ static void arranged(void)
 
 /* ---- threads ---- */
 
-/* The tree, as far as rays can tell: what it costs them. */
-static Steps costs(const Setting *s, int threads, size_t *bytes)
+/* The tree, as far as rays can tell. */
+static Steps costs_built(const Setting *s, int threads, size_t *bytes)
 {
     Mesh m = { 0 };
     Geometry g;
     Accel *a;
-    Rng rng = rng_seed(46);
-    Steps steps = { 0, 0 };
+    Steps steps;
 
     REQUIRE(mesh_bumpy(&m, 60, 5), "memory");
     geometry_of(&g, &m);
     a = accel_build(s->kind, &g, &s->opts, threads);
     REQUIRE(a != NULL, "%s cannot be built", s->name);
     *bytes = a->bytes;
-    for (int i = 0; i < 3000; i++) {
-        Ray r = { .tmax = INFINITY };
-        Hit h;
-        r.o = v_scale(rng_direction(&rng), 3.0f);
-        r.d = v_sub(v_scale(rng_direction(&rng), 0.9f), r.o);
-        a->kind->nearest(a, &r, &h, &steps);
-    }
+    steps = costs(a, 3000, 0.9f);
     check_tree(s, a, "threads");
     accel_free(a);
     geometry_clear(&g);
@@ -273,8 +274,8 @@ static void threads(void)
         Steps a, b;
         if (!strcmp(s->kind->info.name, "brute"))
             continue;
-        a = costs(s, 1, &one);
-        b = costs(s, 7, &many);
+        a = costs_built(s, 1, &one);
+        b = costs_built(s, 7, &many);
         EXPECT(one == many && a.nodes == b.nodes && a.prims == b.prims,
                "%s: another tree with seven threads", s->name);
     }

@@ -283,11 +283,18 @@ bool tree_leaf_hits(const Forest *f, const Tree *t, uint32_t j, const Probe *p, 
     return false;
 }
 
-static bool item_hits(const Forest *f, uint32_t item, const Ray *r, const Probe *p, Hit *h,
-                      bool any, Steps *steps, TreeHits *tree_hits)
+/* The forest, and how a ray is cast against one of its trees. */
+typedef struct { const Forest *forest; TreeHits *tree_hits; } TopWalk;
+
+static bool item_hits(const void *walk, const SkipNode *leaf, const Ray *r, const Probe *p, Hit *h,
+                      bool any, Steps *steps)
 {
+    const TopWalk *w = walk;
+    const Forest *f = w->forest;
+    uint32_t item = f->item[leaf->first];
+
     if (item < f->ntrees)
-        return tree_hits(f, &f->trees[item], p, h, any, steps);
+        return w->tree_hits(f, &f->trees[item], p, h, any, steps);
     if (steps)
         steps->prims++;
     return prim_meets(&f->base, (uint32_t)(f->base.geo->ntris + item - f->ntrees), r, p, h, any,
@@ -297,24 +304,8 @@ static bool item_hits(const Forest *f, uint32_t item, const Ray *r, const Probe 
 bool forest_query(const Forest *f, const Ray *r, Hit *h, bool any, Steps *steps,
                   TreeHits *tree_hits)
 {
-    Probe p;
-
-    hit_none(h, r->tmax);
-    probe_init(&p, r);
-    for (size_t k = 0; k < f->ntop;) {
-        const SkipNode *n = &f->top[k];
-        bool leaf = n->first != SKIP_INNER;
-        if (steps)
-            steps->nodes++;
-        if (!skip_enters(n, &p, h->t)) {
-            k = leaf ? k + 1 : n->next;
-            continue;
-        }
-        if (leaf && item_hits(f, f->item[n->first], r, &p, h, any, steps, tree_hits))
-            return true;
-        k++;
-    }
-    return h->outer != NO_PRIM;
+    TopWalk w = { f, tree_hits };
+    return skip_walk(f->top, f->ntop, &w, item_hits, r, h, any, steps);
 }
 
 /* ---- checking ---- */

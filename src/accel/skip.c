@@ -32,41 +32,29 @@ size_t skip_build(SkipNode *nodes, Ref *refs, uint32_t n)
     return n ? build_run(nodes, refs, 0, n, 0) : 0;
 }
 
-INLINE bool walk(const SkipTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
+static bool leaf_meets(const void *tree, const SkipNode *leaf, const Ray *r, const Probe *p, Hit *h,
+                       bool any, Steps *steps)
 {
-    Probe p;
+    const SkipTree *t = tree;
 
-    hit_none(h, r->tmax);
-    probe_init(&p, r);
-    for (size_t k = 0; k < t->n;) {
-        const SkipNode *n = &t->nodes[k];
-        bool leaf = n->first != SKIP_INNER;
+    for (uint32_t i = 0; i < leaf->next; i++) {
         if (steps)
-            steps->nodes++;
-        if (!skip_enters(n, &p, h->t)) {
-            k = leaf ? k + 1 : n->next;
-            continue;
-        }
-        for (uint32_t i = 0; leaf && i < n->next; i++) {
-            if (steps)
-                steps->prims++;
-            if (prim_meets(t->accel, prim_of(t, n->first + i), r, &p, h, any, steps) && any)
-                return true;
-        }
-        k++;
+            steps->prims++;
+        if (prim_meets(t->accel, prim_of(t, leaf->first + i), r, p, h, any, steps) && any)
+            return true;
     }
-    return h->outer != NO_PRIM;
+    return false;
 }
 
 bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps)
 {
-    return walk(t, r, h, false, steps);
+    return skip_walk(t->nodes, t->n, t, leaf_meets, r, h, false, steps);
 }
 
 bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps)
 {
     Hit h;
-    return walk(t, r, &h, true, steps);
+    return skip_walk(t->nodes, t->n, t, leaf_meets, r, &h, true, steps);
 }
 
 /* ---- checking ---- */

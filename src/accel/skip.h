@@ -39,6 +39,35 @@ INLINE Box skip_box(const SkipNode *n)
  * most 2 n - 1. refs are put into the order of the leaves: leaf.first counts in it. */
 size_t skip_build(SkipNode *nodes, Ref *refs, uint32_t n);
 
+/* What a walk does in a leaf that is met: sets *h; true: the walk may end. */
+typedef bool SkipLeaf(const void *tree, const SkipNode *leaf, const Ray *r, const Probe *p, Hit *h,
+                      bool any, Steps *steps);
+
+/* From node to node, whatever is in the leaves of the tree. *h: as in accel.h, and any if that will
+ * do. */
+INLINE bool skip_walk(const SkipNode *nodes, size_t n, const void *tree, SkipLeaf *in_leaf,
+                      const Ray *r, Hit *h, bool any, Steps *steps)
+{
+    Probe p;
+
+    hit_none(h, r->tmax);
+    probe_init(&p, r);
+    for (size_t k = 0; k < n;) {
+        const SkipNode *node = &nodes[k];
+        bool leaf = node->first != SKIP_INNER;
+        if (steps)
+            steps->nodes++;
+        if (!skip_enters(node, &p, h->t)) {
+            k = leaf ? k + 1 : node->next;
+            continue;
+        }
+        if (leaf && in_leaf(tree, node, r, &p, h, any, steps))
+            return true;
+        k++;
+    }
+    return h->outer != NO_PRIM;
+}
+
 /* The queries of accel.h. */
 bool skip_nearest(const SkipTree *t, const Ray *r, Hit *h, Steps *steps);
 bool skip_blocked(const SkipTree *t, const Ray *r, Steps *steps);

@@ -59,8 +59,7 @@ typedef struct {
     Below root;
 } Wide;
 
-/* Makes the tree. `order`: where the list of form lean is to go, if the caller wants it; else the
- * tree keeps it. False: reported. */
+/* Makes the tree of w, whose form is chosen; the lean one with its list. False: reported. */
 bool wide_build(Wide *w, const Geometry *g, int threads);
 
 /* A plane of a lean node. In lanes, see node_enter. */

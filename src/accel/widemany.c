@@ -2,10 +2,11 @@
  *
  * Idea    One ray waits: each step needs what the last one found, and memory. So several are on
  *         their way at a time, a step of each in turn, and what the next step of a ray will read is
- *         fetched while the others take theirs. The answers are those of single rays: each ray's
- *         own steps are the same. */
+ *         fetched while the others take theirs. */
 #include "accel/wide.h"
 
+/* Fewer rays in flight leave memory waiting, more take the cache from each other. UNTRIED: groups
+ * that are not tried after one that was no gain. */
 enum { FLIGHT = 16, UNTRIED = 7 };
 
 /* A ray on its way. */
