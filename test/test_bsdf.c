@@ -61,7 +61,7 @@ static void model_make(Model *m, const char *kind, const char *options)
         value[i] = o.defs[i].type == OPT_RGB ? o.value[i].rgb : rgb_all((float)o.value[i].num);
     arena_clear(&arena);
     m->b.kind = k;
-    k->setup(&m->b, value);
+    k->setup(&m->b, value, NULL);
     snprintf(m->name, sizeof m->name, "%s:%s", kind, options);
 }
 
@@ -409,7 +409,7 @@ static void test_wild_parameters(void)
                 value[o].g = wild[rng_below(&rng, 8)];
                 value[o].b = wild[rng_below(&rng, 8)];
             }
-            bsdfs[k]->setup(&m.b, value);
+            bsdfs[k]->setup(&m.b, value, NULL);
             a = bsdfs[k]->albedo(&m.b, wo);
             EXPECT(rgb_finite(a) && rgb_max(a) <= 1.0f + 1e-4f && a.r >= 0.0f, "%s: albedo %g %g "
                    "%g", bsdfs[k]->info.name, a.r, a.g, a.b);
@@ -589,7 +589,7 @@ static void test_refraction(void)
         Bsdf b = { bsdfs[0], { { 0 } } };
         const BsdfKind *glass = kind_find(bsdfs, "dielectric");
 
-        glass->setup(&b, value);
+        glass->setup(&b, value, NULL);
         if (!glass->sample(&b, wo, lobe, unit2(&rng), false, &s) || !(s.flags & BSDF_TRANSMIT))
             continue;
         refracted++;

@@ -329,10 +329,12 @@ static void lobe_event(void *of, Sampler *s, double *values)
 static void set_lobes(Lab *l, Lobes *x, const char *kind, const char *options, uint64_t seed)
 {
     uint32_t m = lab_material(l, kind, options);
+    const Surface somewhere = { .uv = { 0, 0 } };
+    BsdfRoom room;
     Rng rng = rng_seed(seed);
     V2 u;
 
-    material_bsdf(&l->scene->materials[m], (V2){ 0, 0 }, &x->b);
+    x->b = *material_bsdf(&l->scene->materials[m], &somewhere, &room);
     u.x = rng_unit(&rng);
     u.y = rng_unit(&rng);
     x->wo = warp_hemisphere(u);

@@ -175,7 +175,8 @@ static bool meets_edge(const Lab *l, Tracer *t, Ray r)
         BsdfSample bs;
         Surface s;
         Frame f;
-        Bsdf b;
+        BsdfRoom room;
+        const Bsdf *b;
         Hit h;
         V3 wi;
         if (!tracer_nearest(t, &r, &h))
@@ -184,9 +185,9 @@ static bool meets_edge(const Lab *l, Tracer *t, Ray r)
         if (s.shape->kind == SHAPE_MESH &&
             edge_distance(l, &h) <= v_len(s.err) + ROUNDINGS(8) * h.t)
             return true;
-        material_bsdf(&l->scene->materials[s.shape->material], s.uv, &b);
+        b = material_bsdf(&l->scene->materials[s.shape->material], &s, &room);
         f = frame_about(s.ns);
-        if (!b.kind->sample(&b, frame_in(&f, v_neg(r.d)),
+        if (!b->kind->sample(b, frame_in(&f, v_neg(r.d)),
                             sample_1d(&t->sampler, DECISION(DECIDE_LOBE, depth)), (V2){ 0, 0 },
                             false, &bs))
             return false;

@@ -178,10 +178,12 @@ static bool floor_direction(const Lab *l, const Fixed *f, V3 eye, V3 *wi)
     V3 wo = v_unit(v_sub(eye, POINT));
     Frame frame = frame_about(v3(0, 0, 1));
     BsdfSample bs;
-    Bsdf b;
+    BsdfRoom room;
+    const Surface somewhere = { .uv = { 0, 0 } };
+    const Bsdf *b;
 
-    material_bsdf(&l->scene->materials[1], (V2){ 0, 0 }, &b);
-    if (!b.kind->sample(&b, frame_in(&frame, wo),
+    b = material_bsdf(&l->scene->materials[1], &somewhere, &room);
+    if (!b->kind->sample(b, frame_in(&frame, wo),
                         enumerate_fixed(&f->e, DECISION(DECIDE_LOBE, 0)).x,
                         enumerate_fixed(&f->e, DECISION(DECIDE_DIRECTION, 0)), false, &bs))
         return false;

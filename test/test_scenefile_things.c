@@ -273,8 +273,8 @@ static void interfaces_and_mixtures(void)
 static Rgb reflectance_at(const SceneFile *f, size_t material, float u, float v)
 {
     const Material *m = &f->scene->materials[material];
-    V2 uv = { u, v };
-    return m->texture[0] ? texture_eval(m->texture[0], uv) : m->value[0];
+    const Surface s = { .uv = { u, v } };
+    return m->texture[0] ? texture_eval(m->texture[0], &s) : m->value[0];
 }
 
 static void textures(void)

@@ -251,6 +251,8 @@ static void surface_to_world(const Instance *in, Surface *s)
     s->err = v_mad(size, ROUNDINGS(8), err);
     s->ng = v_unit(affine_transposed(&in->to_object, s->ng));
     s->ns = v_unit(affine_transposed(&in->to_object, s->ns));
+    s->dpdu = affine_vector(&in->to_world, s->dpdu);
+    s->dpdv = affine_vector(&in->to_world, s->dpdv);
 }
 
 void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)

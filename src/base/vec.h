@@ -105,6 +105,17 @@ INLINE Frame frame_about(V3 n)
     return (Frame){ { 1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x },
                     { b, sign + n.y * n.y * a, -n.y }, n };
 }
+/* Frame about the unit vector n with s along u, as far as that is possible; else any. */
+INLINE Frame frame_along(V3 n, V3 u)
+{
+    V3 s = v_sub(u, v_scale(n, v_dot(n, u)));
+    float len2 = v_dot(s, s);
+
+    if (!(len2 > 1e-12f * v_dot(u, u)) || !is_finite(len2))     /* u runs along n to 6 digits */
+        return frame_about(n);
+    s = v_scale(s, 1.0f / sqrtf(len2));
+    return (Frame){ s, v_cross(n, s), n };
+}
 INLINE V3 frame_out(const Frame *f, V3 v)               /* local to world */
 {
     return (V3){ v.x * f->s.x + v.y * f->t.x + v.z * f->n.x,

@@ -9,6 +9,7 @@
 #define BSDF_BSDF_H
 
 #include "base/kind.h"
+#include "base/options.h"
 #include "base/vec.h"
 
 typedef struct Bsdf Bsdf;
@@ -18,7 +19,8 @@ enum {                          /* what a model can do; BsdfSample.flags has tho
     BSDF_TRANSMIT = 2,
     BSDF_SPECULAR = 4,          /* delta: eval and pdf are 0, only sample finds it */
     BSDF_SMOOTH   = 8,          /* not delta: eval and pdf are meaningful */
-    BSDF_LOBES    = 16          /* sample chooses between parts by `lobe` */
+    BSDF_LOBES    = 16,         /* sample chooses between parts by `lobe` */
+    BSDF_TANGENT  = 32          /* differs along the two tangents: x is that along which u grows */
 };
 
 typedef struct {
@@ -29,13 +31,21 @@ typedef struct {
     float eta;                  /* index ratio crossed, transmitted over incident side; else 1 */
 } BsdfSample;
 
+/* Where load() finds files: names are as seen from the file that names them. */
+typedef struct { const char *beside; uint64_t max_file; } BsdfFiles;
+
 typedef struct {
     KindInfo info;              /* options: the model's parameters, RGB and FLOAT take textures */
     int flags;                  /* union of what its instances can do */
 
-    /* Makes the model at a point out of its parameters, value[k] for option k (numbers in .r),
-     * in *b, which has room for any. */
-    void (*setup)(Bsdf *b, const Rgb *value);
+    /* Reads what options that are no numbers name (files, lists) into *data, which belongs to the
+     * material: once, when it is made. False: reported. NULL: there is nothing of the kind. */
+    bool (*load)(const Opts *o, const BsdfFiles *files, void **data);
+    void (*drop)(void *data);
+
+    /* Makes the model at a point out of its parameters, value[k] for option k (numbers in .r), and
+     * what load() made (else NULL), in *b, which has room for any. */
+    void (*setup)(Bsdf *b, const Rgb *value, const void *data);
 
     /* f(wo, wi) without delta parts. */
     Rgb (*eval)(const Bsdf *b, V3 wo, V3 wi, bool importance);
@@ -50,8 +60,12 @@ typedef struct {
 
 struct Bsdf {
     const BsdfKind *kind;
-    union { float number[24]; void *align; } as;        /* the model's own, see its file */
+    union { float number[24]; const void *align; } as;  /* the model's own, see its file */
 };
+
+/* What a point's model is made in: itself first; a mixture finds its parts behind it. */
+enum { BSDF_PARTS = 8 };
+typedef struct { Bsdf b[BSDF_PARTS]; } BsdfRoom;
 
 extern const BsdfKind *const bsdfs[];           /* ends with NULL */
 

@@ -61,11 +61,12 @@ static float base_of(const Coated *c, float rho)
     return rho * INV_PI / (c->eta * c->eta * (1.0f - rho) + rho * c->mean);
 }
 
-static void setup(Bsdf *b, const Rgb *value)
+static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Coated *c = (Coated *)(void *)b->as.number;
     Rgb rho = reflectance_of(value[0]);
 
+    (void)data;
     c->eta = f_min(f_max(value[1].r, 1.1f), 3.0f);
     ggx_init(&c->facets, value[2].r, value[3].r, value[4].r, value[5].r != 0.0f);
     c->mean = mean_passing(c);

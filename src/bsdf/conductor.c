@@ -38,11 +38,12 @@ static Rgb index_of(Rgb value, Rgb metal)
                f_min(f_max(value.b, 0.0f), HIGHEST));
 }
 
-static void setup(Bsdf *b, const Rgb *value)
+static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Conductor *c = (Conductor *)(void *)b->as.number;
     Rgb reflectance = value[6];
 
+    (void)data;
     ggx_init(&c->facets, value[0].r, value[1].r, value[2].r, value[3].r != 0.0f);
     c->eta = index_of(value[4], rgb(0.2004f, 0.9240f, 1.1022f));                /* copper */
     c->k = index_of(value[5], rgb(3.9129f, 2.4528f, 2.1421f));

@@ -17,9 +17,10 @@ static const Dielectric *of(const Bsdf *b)
     return (const Dielectric *)(const void *)b->as.number;
 }
 
-static void setup(Bsdf *b, const Rgb *value)
+static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Dielectric *d = (Dielectric *)(void *)b->as.number;
+    (void)data;
     d->eta = f_min(f_max(value[0].r, 0.1f), 10.0f);
     d->reflectance = reflectance_of(value[1]);
     d->transmittance = reflectance_of(value[2]);

@@ -9,9 +9,10 @@ typedef struct { Rgb reflectance; } Diffuse;
 
 static const Diffuse *of(const Bsdf *b) { return (const Diffuse *)(const void *)b->as.number; }
 
-static void setup(Bsdf *b, const Rgb *value)
+static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Diffuse *d = (Diffuse *)(void *)b->as.number;
+    (void)data;
     d->reflectance = reflectance_of(value[0]);
 }
 

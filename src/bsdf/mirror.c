@@ -5,9 +5,10 @@ typedef struct { Rgb reflectance; } Mirror;
 
 static const Mirror *of(const Bsdf *b) { return (const Mirror *)(const void *)b->as.number; }
 
-static void setup(Bsdf *b, const Rgb *value)
+static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Mirror *m = (Mirror *)(void *)b->as.number;
+    (void)data;
     m->reflectance = reflectance_of(value[0]);
 }
 

@@ -450,7 +450,23 @@ INLINE V3 normal_between(V3 p, V3 q, V3 r, const Hit *h)
     return v_unit(weighted(p, q, r, f_max(0.0f, 1.0f - h->u - h->v), h->u, h->v));
 }
 
-static void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
+/* p is linear in (u, v) over a triangle: its edges e and f, and theirs in (u, v), give
+ *   (dpdu dpdv) = (e f) (de df)^-1.
+ * Where the three (u, v) are on a line there is no such map: the derivatives stay 0. */
+static void triangle_derivatives(const V3 c[3], V2 p, V2 q, V2 r, Surface *s)
+{
+    V3 e = v_sub(c[1], c[0]), f = v_sub(c[2], c[0]);
+    float eu = q.x - p.x, ev = q.y - p.y, fu = r.x - p.x, fv = r.y - p.y;
+    float inverse = 1.0f / (eu * fv - ev * fu);
+
+    if (!is_finite(inverse))
+        return;
+    s->dpdu = v_scale(v_sub(v_scale(e, fv), v_scale(f, ev)), inverse);
+    s->dpdv = v_scale(v_sub(v_scale(f, eu), v_scale(e, fu)), inverse);
+}
+
+static void triangle_uv(const Geometry *g, const Shape *shape, const V3 c[3], const Hit *h,
+                        Surface *s)
 {
     const Tri *t = &g->tri[h->prim];
 
@@ -458,6 +474,10 @@ static void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Sur
     if (shape->uv) {
         const V2 *uv = shape->uv - shape->first_vertex;
         s->uv = uv_between(uv[t->v[0]], uv[t->v[1]], uv[t->v[2]], h);
+        triangle_derivatives(c, uv[t->v[0]], uv[t->v[1]], uv[t->v[2]], s);
+    } else {
+        s->dpdu = v_sub(c[1], c[0]);
+        s->dpdv = v_sub(c[2], c[0]);
     }
 }
 
@@ -484,7 +504,7 @@ static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h
     point_of(c, h->u, h->v, &s->p, &s->err);
     s->ng = normal_of(c);
     if (!shape->plain)
-        triangle_uv(g, shape, h, s);
+        triangle_uv(g, shape, c, h, s);
     if (shape->n && triangle_normal(g, shape, h, s))
         return;
     if (shape->flip)
@@ -498,16 +518,19 @@ static void tessellation_surface(const Shape *shape, const Hit *h, Surface *s)
     const Tessellation *t = shape->as.tessellation;
     GridPoint at[3];
     V3 c[3], n[3];
+    V2 uv[3];
 
     tessellation_places(t, h->prim - t->first_face, at);
     for (int k = 0; k < 3; k++)
         c[k] = tessellation_point(t, at[k].x, at[k].y);
     point_of(c, h->u, h->v, &s->p, &s->err);
     s->ng = s->ns = normal_of(c);
-    if (!shape->plain)
-        s->uv = uv_between(tessellation_uv(t, at[0].x, at[0].y),
-                           tessellation_uv(t, at[1].x, at[1].y),
-                           tessellation_uv(t, at[2].x, at[2].y), h);
+    if (!shape->plain) {
+        for (int k = 0; k < 3; k++)
+            uv[k] = tessellation_uv(t, at[k].x, at[k].y);
+        s->uv = uv_between(uv[0], uv[1], uv[2], h);
+        triangle_derivatives(c, uv[0], uv[1], uv[2], s);
+    }
     if (t->smooth) {
         for (int k = 0; k < 3; k++)
             n[k] = v_unit(tessellation_normal(t, at[k]));
@@ -521,10 +544,11 @@ static void tessellation_surface(const Shape *shape, const Hit *h, Surface *s)
     }
 }
 
+/* Longitude and latitude. At the poles, where u has no meaning, the derivatives stay 0. */
 static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
 {
     V3 local = frame_in(&sp->frame, d);
-    float phi = m_atan2(local.y, local.x);
+    float phi = m_atan2(local.y, local.x), span = PI_F, ring, turn;
 
     if (phi < 0.0f)
         phi += 2.0f * PI_F;
@@ -532,8 +556,17 @@ static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
     s->uv.y = m_acos(-local.z) * INV_PI;        /* 0 at the lower pole, 1 at the upper */
     if (!sp->whole) {
         float lo = m_acos(-sp->zmin / sp->radius), hi = m_acos(-sp->zmax / sp->radius);
-        s->uv.y = (s->uv.y * PI_F - lo) / (hi - lo);
+        span = hi - lo;
+        s->uv.y = (s->uv.y * PI_F - lo) / span;
     }
+    ring = sqrtf(local.x * local.x + local.y * local.y);
+    if (!(ring > 0.0f))
+        return;
+    turn = sp->phimax * sp->radius;
+    s->dpdu = frame_out(&sp->frame, v3(-local.y * turn, local.x * turn, 0.0f));
+    turn = span * sp->radius;
+    s->dpdv = frame_out(&sp->frame, v3(-local.z * local.x / ring * turn,
+                                       -local.z * local.y / ring * turn, ring * turn));
 }
 
 static void sphere_surface(const Sphere *sp, const Shape *shape, const Ray *r, const Hit *h,
@@ -561,6 +594,10 @@ static void disk_surface(const Disk *d, const Shape *shape, const Ray *r, const 
         float phi = m_atan2(y, x), rad = sqrtf(x * x + y * y);
         s->uv.x = (phi < 0.0f ? phi + 2.0f * PI_F : phi) / d->phimax;
         s->uv.y = d->radius > d->inner ? (d->radius - rad) / (d->radius - d->inner) : 0.0f;
+        s->dpdu = v_scale(v_sub(v_scale(d->frame.t, x), v_scale(d->frame.s, y)), d->phimax);
+        if (rad > 0.0f)
+            s->dpdv = v_scale(v_add(v_scale(d->frame.s, x), v_scale(d->frame.t, y)),
+                              (d->inner - d->radius) / rad);
     }
 }
 
@@ -571,6 +608,8 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
     s->shape = shape;
     s->prim = h->prim;
     s->uv = (V2){ 0, 0 };
+    s->dpdu = s->dpdv = v_all(0.0f);
+    s->width = 0.0f;
     switch (shape->kind) {
     case SHAPE_MESH:     triangle_surface(g, shape, h, s); break;
     case SHAPE_SPHERE:   sphere_surface(&shape->as.sphere, shape, r, h, s); break;

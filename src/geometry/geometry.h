@@ -50,7 +50,7 @@ typedef struct {
     uint32_t  material;         /* index into the scene's materials */
     uint32_t  light;            /* index into the scene's lights, or NO_LIGHT */
     bool      flip;             /* the geometric normal is turned round (ReverseOrientation) */
-    bool      plain;            /* no texture looks at uv: surfaces leave it 0 */
+    bool      plain;            /* nothing looks at uv and its derivatives: surfaces leave them 0 */
     uint32_t  first_vertex;     /* meshes: n and uv start there */
     uint32_t *place;            /* owned; of lamps whose triangles were put into another order:
                                  * where each is now, from `first`; else NULL */
@@ -120,6 +120,8 @@ typedef struct {
     V3 ng;                      /* geometric normal, unit: the front, whence area lights shine */
     V3 ns;                      /* shading normal, unit, on the side of ng */
     V2 uv;
+    V3 dpdu, dpdv;              /* how p moves with u and v; 0 where that is not known */
+    float width;                /* of the beam that is followed, here; 0: a ray. From geometry: 0 */
     const Shape *shape;         /* borrowed */
     uint32_t prim;              /* or face; within the shape's geometry */
 } Surface;

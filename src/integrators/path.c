@@ -169,7 +169,9 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     for (;;) {
         Surface s;
         Hit h;
-        Bsdf b;
+        BsdfRoom room;
+        const Bsdf *b;
+        const Material *m;
         Frame frame;
         V3 wo;
         Connection to;
@@ -181,13 +183,14 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             sum = rgb_add(sum, implicit_light(it, &e, scene->lights[s.shape->light], &s, t));
         if (e.depth >= it->maxdepth)
             return sum;
-        material_bsdf(&scene->materials[s.shape->material], s.uv, &b);
-        frame = frame_about(s.ns);
+        m = &scene->materials[s.shape->material];
+        b = material_bsdf(m, &s, &room);
+        frame = material_frame(m, &s);
         wo = frame_in(&frame, v_neg(e.ray.d));
         /* Both decisions first, then the rays: the processor works on the two side by side. */
-        connects = it->ways != IMPLICIT && (b.kind->flags & BSDF_SMOOTH) &&
-                   connect(it, &e, &s, &frame, &b, wo, t, &to);
-        goes_on = scatter(it, &e, &s, &frame, &b, wo, t);
+        connects = it->ways != IMPLICIT && (b->kind->flags & BSDF_SMOOTH) &&
+                   connect(it, &e, &s, &frame, b, wo, t, &to);
+        goes_on = scatter(it, &e, &s, &frame, b, wo, t);
         if (connects && !tracer_blocked(t, &to.ray)) {
             tracer_tally(t, to.edges, STRATEGY_EXPLICIT, to.c);
             sum = rgb_add(sum, to.c);

@@ -77,10 +77,11 @@ bool aov_needs_hit(const Aov *a, int n)
 
 static Rgb albedo_at(const Tracer *t, const Ray *r, const Surface *s)
 {
-    Frame f = frame_about(s->ns);
-    Bsdf b;
-    material_bsdf(&t->scene->materials[s->shape->material], s->uv, &b);
-    return b.kind->albedo(&b, frame_in(&f, v_neg(r->d)));
+    const Material *m = &t->scene->materials[s->shape->material];
+    Frame f = material_frame(m, s);
+    BsdfRoom room;
+    const Bsdf *b = material_bsdf(m, s, &room);
+    return b->kind->albedo(b, frame_in(&f, v_neg(r->d)));
 }
 
 void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values)

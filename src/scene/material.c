@@ -15,16 +15,18 @@ void material_init(Material *m, const BsdfKind *kind, const Opts *o)
     }
 }
 
-void material_bsdf(const Material *m, V2 uv, Bsdf *b)
+const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room)
 {
     Rgb value[OPT_MAX];
+    Bsdf *b = &room->b[0];
 
     b->kind = m->kind;
     if (LIKELY(!m->textured)) {
-        m->kind->setup(b, m->value);
-        return;
+        m->kind->setup(b, m->value, m->data);
+        return b;
     }
     for (int i = 0; i < m->nvalues; i++)
-        value[i] = m->texture[i] ? texture_eval(m->texture[i], uv) : m->value[i];
-    m->kind->setup(b, value);
+        value[i] = m->texture[i] ? texture_eval(m->texture[i], s) : m->value[i];
+    m->kind->setup(b, value, m->data);
+    return b;
 }

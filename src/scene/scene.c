@@ -54,6 +54,9 @@ void scene_free(Scene *s)
         mem_free(s->images[i]);
     }
     mem_free(s->geometries);
+    for (size_t i = 0; i < s->nmaterials; i++)
+        if (s->materials[i].kind->drop)
+            s->materials[i].kind->drop(s->materials[i].data);
     mem_free(s->materials);
     mem_free(s->lights);
     mem_free(s->infinite);
@@ -147,6 +150,12 @@ static Box bounds_of(const Geometry *g)
     return b;
 }
 
+/* Nothing of it looks at (u, v). */
+static bool is_plain(const Material *m)
+{
+    return !m->textured && !m->opacity && !(m->kind->flags & BSDF_TANGENT);
+}
+
 static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts *o, int threads)
 {
     Geometry *g = &s->geometries[k];
@@ -155,7 +164,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
         Instance *in = &g->shapes[i].as.instance;
-        g->shapes[i].plain = !s->materials[g->shapes[i].material].textured;
+        g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]);
         if (g->shapes[i].kind != SHAPE_INSTANCE)
             continue;
         ASSERT(s->accels[in->child] != NULL);

@@ -27,7 +27,7 @@ typedef struct Texture {
     float su, sv, du, dv;               /* (u, v) becomes (su u + du, sv v + dv) */
 } Texture;
 
-Rgb texture_eval(const Texture *t, V2 uv);
+Rgb texture_eval(const Texture *t, const Surface *s);
 Rgb texture_mean(const Texture *t);     /* over the unit square, for estimates of power */
 
 /* ---- materials ---- */
@@ -39,10 +39,18 @@ typedef struct {
     const Texture *texture[OPT_MAX];            /* or NULL: the value */
     int  nvalues;
     bool textured;                              /* any texture that is not NULL */
+    const Texture *opacity;                     /* NULL: 1; where it is 0, rays pass */
+    void *data;                                 /* owned; what the kind's load() made, or NULL */
 } Material;
 
 void material_init(Material *m, const BsdfKind *kind, const Opts *o);   /* constants from o */
-void material_bsdf(const Material *m, V2 uv, Bsdf *b);
+/* The model at a point, in *room, which is returned. */
+const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room);
+/* The local frame in which the model's directions are given. */
+static inline Frame material_frame(const Material *m, const Surface *s)
+{
+    return m->kind->flags & BSDF_TANGENT ? frame_along(s->ns, s->dpdu) : frame_about(s->ns);
+}
 
 /* ---- making things out of options ---- */
 

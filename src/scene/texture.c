@@ -34,15 +34,15 @@ static bool odd_square(float u, float v)
     return s - 2.0f * floorf(0.5f * s) != 0.0f;
 }
 
-Rgb texture_eval(const Texture *t, V2 uv)
+Rgb texture_eval(const Texture *t, const Surface *s)
 {
-    float u = t->su * uv.x + t->du, v = t->sv * uv.y + t->dv;
+    float u = t->su * s->uv.x + t->du, v = t->sv * s->uv.y + t->dv;
 
     switch (t->kind) {
     case TEXTURE_CONSTANT: break;
     case TEXTURE_IMAGE:    return rgb_mul(image_lookup(t->image, u, v), t->value);
-    case TEXTURE_CHECKER:  return texture_eval(odd_square(u, v) ? t->b : t->a, uv);
-    case TEXTURE_SCALE:    return rgb_mul(texture_eval(t->a, uv), texture_eval(t->b, uv));
+    case TEXTURE_CHECKER:  return texture_eval(odd_square(u, v) ? t->b : t->a, s);
+    case TEXTURE_SCALE:    return rgb_mul(texture_eval(t->a, s), texture_eval(t->b, s));
     }
     return t->value;
 }
