@@ -23,7 +23,7 @@
     X(physics_exact) X(physics_weights) X(lights) X(lightsampling) X(cameras) X(driver) X(film) \
     X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
-    X(geometry_round) X(film_sums) X(sampler) X(tables)
+    X(geometry_round) X(film_sums) X(sampler) X(tables) X(media)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

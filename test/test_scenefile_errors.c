@@ -228,12 +228,13 @@ static const Fault warnings[] = {
       "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1 2 2 2]" },
     { 2, 1, "\"N\" has 3 numbers, expected 9",
       "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n\"normal N\" [0 0 1]" },
-    { 1, 1, "media are not supported", "MakeNamedMedium \"a\" \"string type\" \"homogeneous\"" },
+    { 1, 1, "media of type 'cloud' are not supported; it is left out",
+      "MakeNamedMedium \"a\" \"string type\" \"cloud\"" },
     { 1, 8, "the option 'seed' is left out", "Option \"integer seed\" 7" },
     { 1, 8, "the option 'disablepixeljitter' is left out", "Option \"disablepixeljitter\" true" },
-    { 1, 34, "media are not supported; they", "WorldBegin Shape \"sphere\"        "
+    { 1, 50, "unknown medium 'a'; nothing is there", "WorldBegin Shape \"sphere\"        "
       "MediumInterface \"a\"" },
-    { 1, 1, "media are not supported; VolumeIntegrator", "VolumeIntegrator \"a\" \"float b\" 1" },
+    { 1, 1, "VolumeIntegrator is left out", "VolumeIntegrator \"a\" \"float b\" 1" },
     { 1, 51, "the mapping 'planar' is not supported; uv is used", "WorldBegin Texture \"a\" "
       "\"float\" \"checkerboard\"     \"string mapping\" \"planar\" \"vector v1\" [1 0 0]" },
     { 1, 12, "only two-dimensional checkerboards", "WorldBegin Texture \"a\" \"float\" "

@@ -245,16 +245,27 @@ static void substitutes(void)
     }
 }
 
-/* Media boundaries are not drawn, unless they shine; of a mixture the heavier part counts. */
+/* Borders of media are kept where they separate any, or shine; of a mixture the heavier part
+ * counts. */
 static void interfaces_and_mixtures(void)
 {
     SceneFile f;
 
     messages_nowhere();
     f = scene_of("WorldBegin Material \"interface\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD
-                 "AreaLightSource \"diffuse\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD, 1);
+                 "AreaLightSource \"diffuse\" Shape \"sphere\" Shape \"trianglemesh\" " QUAD, 0);
     EXPECT(f.scene->geometries[0].nshapes == 2 && f.scene->nlights == 2, "only lights are there");
     EXPECT(scene_shape(&f, 1)->material == 0, "they have a material");
+    scenefile_clear(&f);
+    f = scene_of("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3]\n"
+                 "\"rgb sigma_s\" [0 0 0] \"float scale\" 2 MediumInterface \"\" \"m\"\n"
+                 "Camera \"perspective\" WorldBegin MediumInterface \"m\" \"\"\n"
+                 "Material \"interface\" Shape \"trianglemesh\" " QUAD, 0);
+    EXPECT(f.scene->nmedia == 1 && f.scene->media[0].absorption.b == 6, "the medium");
+    EXPECT(f.scene->around == 0, "the camera is in it");
+    EXPECT(scene_shape(&f, 0)->separates && scene_shape(&f, 0)->inside == 0 &&
+           scene_shape(&f, 0)->outside == NO_MEDIUM, "its border");
+    EXPECT(f.scene->materials[scene_shape(&f, 0)->material].opacity, "which is not seen");
     scenefile_clear(&f);
     f = scene_of(
         "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"

@@ -12,8 +12,8 @@
 static const struct { const char *name; const void *list; } sets[] = {
     { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
-    { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
-    { "formats", image_formats },   { "tonemaps", tonemaps },
+    { "media", medium_kinds },      { "shapes", shape_readers }, { "cameras", cameras },
+    { "filters", filters },         { "formats", image_formats }, { "tonemaps", tonemaps },
 };
 enum { SETS = sizeof sets / sizeof sets[0] };
 

@@ -43,6 +43,7 @@ typedef struct {
 } Instance;
 
 #define NO_LIGHT UINT32_MAX
+#define NO_MEDIUM UINT32_MAX    /* nothing that would absorb or scatter */
 
 typedef struct {
     ShapeKind kind;
@@ -51,6 +52,8 @@ typedef struct {
     uint32_t  light;            /* index into the scene's lights, or NO_LIGHT */
     bool      flip;             /* the geometric normal is turned round (ReverseOrientation) */
     bool      plain;            /* nothing looks at uv and its derivatives: surfaces leave them 0 */
+    bool      separates;        /* it is the border of media: */
+    uint32_t  inside, outside;  /* in the scene's media, or NO_MEDIUM; ng points outside */
     uint32_t  first_vertex;     /* meshes: n and uv start there */
     uint32_t *place;            /* owned; of lamps whose triangles were put into another order:
                                  * where each is now, from `first`; else NULL */

@@ -34,17 +34,30 @@ typedef struct {
 INLINE bool tracer_nearest(Tracer *t, const Ray *r, Hit *h)
 {
     t->rays++;
-    return accel_nearest(t->scene->accel, r, h);
+    return scene_nearest(t->scene, r, h);
 }
 INLINE bool tracer_blocked(Tracer *t, const Ray *r)
 {
     t->rays++;
-    return accel_blocked(t->scene->accel, r);
+    return scene_blocked(t->scene, r);
 }
 INLINE void tracer_blocked_many(Tracer *t, const Ray *r, bool *blocked, size_t n)
 {
     t->rays += n;
-    accel_blocked_many(t->scene->accel, r, blocked, n);
+    if (LIKELY(!t->scene->see_through))
+        accel_blocked_many(t->scene->accel, r, blocked, n);
+    else
+        for (size_t i = 0; i < n; i++)
+            blocked[i] = scene_blocked(t->scene, &r[i]);
+}
+/* Whether light gets along the ray, whose start is in `medium`; *c loses what media take of it. */
+INLINE bool tracer_passes(Tracer *t, const Ray *r, uint32_t medium, Rgb *c)
+{
+    if (LIKELY(!t->scene->nmedia))
+        return !tracer_blocked(t, r);
+    t->rays++;
+    *c = rgb_mul(*c, scene_transmittance(t->scene, r, medium));
+    return !rgb_black(*c);
 }
 /* The ray that tells whether anything stands between the surface point and the light's. */
 INLINE Ray shadow_ray(const Surface *from, const LightSample *to)

@@ -18,6 +18,8 @@
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
 
+enum { BORDERS_MOST = 65536 };          /* of media, between two events; a path beyond is lost */
+
 typedef struct {
     Integrator base;
     LightSampler *lights;       /* owned */
@@ -35,6 +37,7 @@ typedef struct {
     float pdf_w;                /* of the last direction; 0: the eye or a delta event */
     float eta2;                 /* product of squared index ratios: the scale of radiance */
     int  depth;                 /* scattering events so far */
+    uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
 } Eye;
 
 /* Weight of a way with density a against one with density b. [Veach97 9.2.2, 9.2.4] */
@@ -81,28 +84,91 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
     return sum;
 }
 
+/* ---- to the next event ---- */
+
+typedef enum { ESCAPES, ARRIVES, SCATTERS } Event;
+
+/* Where there are media: on through their borders, to a surface or to a scattering on the way,
+ * whose place is then *p. */
+static Event fly(Eye *e, Surface *s, V3 *p, Tracer *t)
+{
+    const Scene *scene = t->scene;
+    Flight f;
+
+    flight_start(&f, e->throughput, sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)));
+    for (int n = 0; n < BORDERS_MOST; n++) {
+        float at;
+        Hit h;
+        Rgb weight;
+        Met met = scene_meets(scene, &e->ray, true, &h, s);
+        t->rays++;
+        if (e->medium != NO_MEDIUM &&
+            flight_scatters(&f, &scene->media[e->medium], h.t, &at, &weight)) {
+            *p = v_mad(e->ray.d, at, e->ray.o);
+            e->throughput = rgb_mul(e->throughput, weight);
+            return SCATTERS;
+        }
+        if (met != MET_BORDER) {
+            e->throughput = rgb_mul(e->throughput, flight_arrives(&f));
+            return met == MET_SURFACE ? ARRIVES : ESCAPES;
+        }
+        e->medium = medium_beyond(s, e->ray.d, e->medium);
+        e->ray.o = ray_origin(s->p, s->err, s->ng, e->ray.d);
+    }
+    e->throughput = rgb_all(0.0f);
+    return ESCAPES;
+}
+
+static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
+{
+    Hit h;
+
+    if (UNLIKELY(t->scene->nmedia))
+        return fly(e, s, p, t);
+    if (!tracer_nearest(t, &e->ray, &h))
+        return ESCAPES;
+    accel_surface(t->scene->accel, &e->ray, &h, s);
+    return ARRIVES;
+}
+
+/* ---- explicit paths ---- */
+
 /* An explicit path of so many edges, which adds c unless anything stands in the ray's way. */
 typedef struct {
     Ray  ray;
     Rgb  c;
     int  edges;
+    uint32_t medium;            /* that the ray starts in */
 } Connection;
+
+/* A direction to one light from p, whose normal n is 0 in a medium. *pdf: that of having chosen
+ * this light and this direction. NULL: none. */
+static const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Tracer *t,
+                                  LightSample *ls, float *pdf)
+{
+    float pmf, left;
+    float u = it->base.scene->nlights > 1
+                  ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)) : 0.0f;
+    const Light *l = it->lights->kind->pick(it->lights, p, n, u, &pmf, &left);
+
+    if (!l || !l->kind->sample(l, p, sample_2d(&t->sampler,
+                                               DECISION(DECIDE_LIGHT_POINT, e->depth)), ls))
+        return NULL;
+    *pdf = pmf * ls->pdf_w;
+    return l;
+}
 
 /* Connects the vertex to one light. False: that would add nothing. */
 static bool connect(const Path *it, const Eye *e, const Surface *s, const Frame *frame,
                     const Bsdf *b, V3 wo, Tracer *t, Connection *to)
 {
     LightSample ls;
-    float pmf, left, weight = 1.0f, pdf;
+    float weight = 1.0f, pdf;
+    const Light *l = towards_light(it, e, s->p, s->ns, t, &ls, &pdf);
     Rgb f;
     V3 wi;
-    const Light *l;
-    float u = it->base.scene->nlights > 1
-                  ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)) : 0.0f;
 
-    l = it->lights->kind->pick(it->lights, s->p, s->ns, u, &pmf, &left);
-    if (!l || !l->kind->sample(l, s->p, sample_2d(&t->sampler,
-                                                  DECISION(DECIDE_LIGHT_POINT, e->depth)), &ls))
+    if (!l)
         return false;
     wi = frame_in(frame, ls.wi);
     if (!(v_dot(ls.wi, s->ng) * wi.z > 0.0f))
@@ -110,12 +176,52 @@ static bool connect(const Path *it, const Eye *e, const Surface *s, const Frame 
     f = b->kind->eval(b, wo, wi, false);
     if (rgb_black(f))
         return false;
-    pdf = pmf * ls.pdf_w;
     if (it->ways == MIS && !l->kind->delta)
         weight = heuristic(it, pdf, b->kind->pdf_w(b, wo, wi));
     to->c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f), ls.L), fabsf(wi.z) * weight / pdf);
     to->ray = shadow_ray(s, &ls);
     to->edges = e->depth + 2;
+    to->medium = medium_beyond(s, ls.wi, e->medium);
+    return true;
+}
+
+/* The same from a scattering at p. Its phase function is both f |cos| and the density. */
+static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Connection *to)
+{
+    Surface s = { .p = p };
+    LightSample ls;
+    float phase, weight = 1.0f, pdf;
+    const Light *l = towards_light(it, e, p, s.ns, t, &ls, &pdf);
+
+    if (!l)
+        return false;
+    phase = phase_pdf_w(it->base.scene->media[e->medium].g, e->ray.d, ls.wi);
+    if (it->ways == MIS && !l->kind->delta)
+        weight = heuristic(it, pdf, phase);
+    to->c = rgb_scale(rgb_mul(e->throughput, ls.L), phase * weight / pdf);
+    to->ray = shadow_ray(&s, &ls);
+    to->edges = e->depth + 2;
+    to->medium = e->medium;
+    return true;
+}
+
+/* ---- implicit paths ---- */
+
+/* One scattering event more. False: roulette ends the path. */
+static bool survives(const Path *it, Eye *e, Tracer *t)
+{
+    float q;
+
+    if (++e->depth < it->roulette)
+        return true;
+    q = rgb_max(e->throughput) * e->eta2;
+    if (!(q > 0.0f))
+        return false;
+    if (q < 1.0f) {
+        if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, e->depth)) >= q)
+            return false;
+        e->throughput = rgb_scale(e->throughput, 1.0f / q);
+    }
     return true;
 }
 
@@ -124,7 +230,7 @@ static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame
                     V3 wo, Tracer *t)
 {
     V2 u = { 0, 0 };
-    float q, lobe = 0.0f;
+    float lobe = 0.0f;
     BsdfSample bs;
     V3 wi;
 
@@ -139,62 +245,76 @@ static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame
         return false;
     e->throughput = rgb_mul(e->throughput, bs.weight);
     e->eta2 *= bs.eta * bs.eta;
-    e->depth++;
-    if (e->depth >= it->roulette) {
-        q = rgb_max(e->throughput) * e->eta2;
-        if (!(q > 0.0f))
-            return false;
-        if (q < 1.0f) {
-            if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, e->depth)) >= q)
-                return false;
-            e->throughput = rgb_scale(e->throughput, 1.0f / q);
-        }
-    }
+    if (!survives(it, e, t))
+        return false;
     e->ray.o = ray_origin(s->p, s->err, s->ng, wi);
     e->ray.d = wi;
     e->ray.tmax = INFINITY;
     e->p = s->p;
     e->n = s->ns;
     e->pdf_w = bs.pdf_w;
+    e->medium = medium_beyond(s, wi, e->medium);
     return true;
+}
+
+static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
+{
+    float g = t->scene->media[e->medium].g;
+    V3 wi = phase_sample(g, e->ray.d, sample_2d(&t->sampler,
+                                                DECISION(DECIDE_DIRECTION, e->depth)));
+
+    e->pdf_w = phase_pdf_w(g, e->ray.d, wi);
+    e->ray.o = e->p = p;
+    e->n = v_all(0.0f);
+    e->ray.d = wi;
+    e->ray.tmax = INFINITY;
+    return survives(it, e, t);
+}
+
+/* Light that the connection brings. */
+static Rgb connection_light(Connection *to, Tracer *t)
+{
+    if (!tracer_passes(t, &to->ray, to->medium, &to->c))
+        return rgb_all(0.0f);
+    tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
+    return to->c;
 }
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
     const Scene *scene = base->scene;
-    Eye e = { *r, { 1, 1, 1 }, { 0, 0, 0 }, { 0, 0, 0 }, 0.0f, 1.0f, 0 };
+    Eye e = { *r, { 1, 1, 1 }, { 0, 0, 0 }, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around };
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
         Surface s;
-        Hit h;
-        BsdfRoom room;
-        const Bsdf *b;
-        const Material *m;
-        Frame frame;
-        V3 wo;
+        V3 p;                                   /* of a scattering in a medium */
         Connection to;
         bool connects, goes_on;
-        if (!tracer_nearest(t, &e.ray, &h))
+        Event event = next_event(&e, &s, &p, t);
+        if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
-        accel_surface(scene->accel, &e.ray, &h, &s);
-        if (s.shape->light != NO_LIGHT)
+        if (event == ARRIVES && s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, implicit_light(it, &e, scene->lights[s.shape->light], &s, t));
         if (e.depth >= it->maxdepth)
             return sum;
-        m = &scene->materials[s.shape->material];
-        b = material_bsdf(m, &s, &room);
-        frame = material_frame(m, &s);
-        wo = frame_in(&frame, v_neg(e.ray.d));
         /* Both decisions first, then the rays: the processor works on the two side by side. */
-        connects = it->ways != IMPLICIT && (b->kind->flags & BSDF_SMOOTH) &&
-                   connect(it, &e, &s, &frame, b, wo, t, &to);
-        goes_on = scatter(it, &e, &s, &frame, b, wo, t);
-        if (connects && !tracer_blocked(t, &to.ray)) {
-            tracer_tally(t, to.edges, STRATEGY_EXPLICIT, to.c);
-            sum = rgb_add(sum, to.c);
+        if (event == ARRIVES) {
+            const Material *m = &scene->materials[s.shape->material];
+            BsdfRoom room;
+            const Bsdf *b = material_bsdf(m, &s, &room);
+            Frame frame = material_frame(m, &s);
+            V3 wo = frame_in(&frame, v_neg(e.ray.d));
+            connects = it->ways != IMPLICIT && (b->kind->flags & BSDF_SMOOTH) &&
+                       connect(it, &e, &s, &frame, b, wo, t, &to);
+            goes_on = scatter(it, &e, &s, &frame, b, wo, t);
+        } else {
+            connects = it->ways != IMPLICIT && connect_in_medium(it, &e, p, t, &to);
+            goes_on = scatter_in_medium(it, &e, p, t);
         }
+        if (connects)
+            sum = rgb_add(sum, connection_light(&to, t));
         if (!goes_on)
             return sum;
     }

@@ -23,6 +23,7 @@ Scene *scene_new(void)
     Scene *s = MEM_NEW(Scene);
     if (!s)
         return NULL;
+    s->around = NO_MEDIUM;
     if (!scene_add_geometry(s, NULL) || !add_neutral(s)) {
         scene_free(s);
         return NULL;
@@ -55,10 +56,11 @@ void scene_free(Scene *s)
     }
     mem_free(s->geometries);
     for (size_t i = 0; i < s->nmaterials; i++)
-        if (s->materials[i].kind->drop)
+        if (s->materials[i].kind->drop && !s->materials[i].borrows)
             s->materials[i].kind->drop(s->materials[i].data);
     mem_free(s->materials);
     mem_free(s->lights);
+    mem_free(s->media);
     mem_free(s->infinite);
     mem_free(s->images);
     arena_clear(&s->arena);
@@ -82,6 +84,15 @@ bool scene_add_material(Scene *s, const Material *m, uint32_t *index)
         return false;
     if (index)
         *index = (uint32_t)s->nmaterials - 1;
+    return true;
+}
+
+bool scene_add_medium(Scene *s, const Medium *m, uint32_t *index)
+{
+    if (!MEM_PUSH(s->media, s->nmedia, s->cap_media, *m))
+        return false;
+    if (index)
+        *index = (uint32_t)s->nmedia - 1;
     return true;
 }
 
@@ -165,6 +176,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
     for (size_t i = 0; i < g->nshapes; i++) {
         Instance *in = &g->shapes[i].as.instance;
         g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]);
+        s->see_through |= s->materials[g->shapes[i].material].opacity != NULL;
         if (g->shapes[i].kind != SHAPE_INSTANCE)
             continue;
         ASSERT(s->accels[in->child] != NULL);

@@ -7,6 +7,7 @@
 #include "bsdf/bsdf.h"
 #include "geometry/geometry.h"
 #include "image/image.h"
+#include "scene/medium.h"
 
 typedef struct Scene Scene;
 
@@ -40,7 +41,8 @@ typedef struct {
     int  nvalues;
     bool textured;                              /* any texture that is not NULL */
     const Texture *opacity;                     /* NULL: 1; where it is 0, rays pass */
-    void *data;                                 /* owned; what the kind's load() made, or NULL */
+    void *data;                                 /* what the kind's load() made, or NULL */
+    bool borrows;                               /* data is another material's; else it is owned */
 } Material;
 
 void material_init(Material *m, const BsdfKind *kind, const Opts *o);   /* constants from o */
@@ -140,6 +142,10 @@ struct Scene {
     size_t    nlights, cap_lights;
     const Light **infinite;             /* owned array: those that rays meet beyond the scene */
     size_t    ninfinite;
+    Medium   *media;                    /* owned */
+    size_t    nmedia, cap_media;
+    uint32_t  around;                   /* the medium that the camera is in, or NO_MEDIUM */
+    bool      see_through;              /* rays pass some of the surfaces; set by scene_build */
     SceneImage **images;                /* owned: of textures and lights */
     size_t    nimages, cap_images;
     Camera   *camera;                   /* in the arena, or NULL */
@@ -155,6 +161,7 @@ void   scene_free(Scene *s);
 bool   scene_add_geometry(Scene *s, uint32_t *index);
 bool   scene_add_material(Scene *s, const Material *m, uint32_t *index);
 bool   scene_add_light(Scene *s, Light *l, uint32_t *index);
+bool   scene_add_medium(Scene *s, const Medium *m, uint32_t *index);
 /* Reads a picture for a texture or a light; the scene keeps it. One file is read once. */
 const Image *scene_image(Scene *s, const Making *m, const char *name);
 /* Finishes geometries, builds structures bottom up, prepares lights. */
@@ -168,6 +175,29 @@ static inline const Light *scene_light_of(const Scene *s, const Surface *hit)
 {
     return hit->shape->light == NO_LIGHT ? NULL : s->lights[hit->shape->light];
 }
+/* ---- rays among surfaces that let some pass: passage.c ---- */
+
+typedef enum { MET_NOTHING, MET_SURFACE, MET_BORDER } Met;
+/* What stops the ray; with `borders`, also the first border of media that would let it pass. h->t
+ * is along r; *at is the surface met. MET_NOTHING: *h = hit_none. */
+Met  scene_meets(const Scene *s, const Ray *r, bool borders, Hit *h, Surface *at);
+bool scene_nearest_past(const Scene *s, const Ray *r, Hit *h);
+/* The part of the light that gets along the whole ray, whose start is in `medium`; media change at
+ * their borders. Black where anything stops it. */
+Rgb  scene_transmittance(const Scene *s, const Ray *r, uint32_t medium);
+/* The medium on the side of a surface that w points to; `medium` if it separates none. */
+uint32_t medium_beyond(const Surface *at, V3 w, uint32_t medium);
+
+INLINE bool scene_nearest(const Scene *s, const Ray *r, Hit *h)
+{
+    return LIKELY(!s->see_through) ? accel_nearest(s->accel, r, h) : scene_nearest_past(s, r, h);
+}
+INLINE bool scene_blocked(const Scene *s, const Ray *r)
+{
+    Hit h;
+    return LIKELY(!s->see_through) ? accel_blocked(s->accel, r) : scene_nearest_past(s, r, &h);
+}
+
 /* Where the input brought none: a camera that frames the world; for bare meshes a sky as well. */
 bool   scene_frame_camera(Scene *s);
 bool   scene_frame(Scene *s);

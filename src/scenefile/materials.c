@@ -2,7 +2,7 @@
  * that model, with its own table of parameters; other names of the language stand in the table
  * below with the nearest model.
  *
- * "", "none" and "interface" mark surfaces that only separate media: they are left out. A mixture
+ * "", "none" and "interface" mark surfaces that only separate media, see surfaces.c. A mixture
  * is replaced by the part that weighs more. */
 #include "scenefile/reader.h"
 
@@ -216,7 +216,7 @@ bool material_make(Reader *r, Place at, const char *type, const Params *ps, cons
 
     *index = is_interface(type) ? MATERIAL_NONE : 0;
     if (is_interface(type))
-        return warn_at(at, "media are not supported; surfaces of this material are left out");
+        return true;
     if (!strcmp(type, "mix"))
         return mixture(r, at, ps, index);
     if (!kind)

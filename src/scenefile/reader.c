@@ -15,6 +15,7 @@ bool reader_init(Reader *r, SceneFile *out, const char *path, const ReadLimits *
     r->limits = limits;
     r->state.ctm = xf_identity();
     r->state.at_start = r->state.at_end = true;
+    r->state.inside = r->state.outside = NO_MEDIUM;
     r->main_path = arena_string(&r->scene->arena, path, strlen(path));
     return r->main_path != NULL;
 }
@@ -30,6 +31,8 @@ void reader_clear(Reader *r)
     names_clear(&r->colour_textures);
     names_clear(&r->systems);
     names_clear(&r->objects);
+    names_clear(&r->media);
+    mem_free(r->masked);
     mem_free(r->textures);
     mem_free(r->transforms);
     pool_clear(&r->pool);

@@ -57,6 +57,7 @@ typedef struct {
     bool      at_start, at_end;         /* ActiveTransform: which times directives change */
     bool      reverse;                  /* ReverseOrientation */
     uint32_t  material;                 /* index in the scene, or MATERIAL_NONE */
+    uint32_t  inside, outside;          /* MediumInterface: indices in the scene, or NO_MEDIUM */
     const AreaLight *area;              /* NULL: shapes do not shine */
     const Defaults *defaults[TARGETS];
     const double (*space)[3];           /* colour space to ours, 3x3; NULL: the same */
@@ -67,10 +68,13 @@ typedef struct { SavedKind kind; State state; Place at; } Saved;
 
 /* Warnings that are given once a scene. */
 typedef enum {
-    ONCE_MOTION = 1, ONCE_MEDIA = 2, ONCE_OBJECT_LIGHT = 4, ONCE_ALPHA = 8
+    ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2
 } Once;
 
 typedef struct { Texture *texture; uint32_t cost; } NamedTexture;
+
+/* A material that was made of another one and a mask. */
+typedef struct { uint32_t of, material; const Texture *mask; } Masked;
 
 typedef struct {
     SceneFile *out;
@@ -87,7 +91,11 @@ typedef struct {
     bool       camera_seen;
     uint32_t   object;          /* geometry that shapes go to: 0, or that of ObjectBegin */
     unsigned   said;            /* Once bits */
-    Names      materials, float_textures, colour_textures, systems, objects;
+    Names      materials, float_textures, colour_textures, systems, objects, media;
+    const Texture *mask;        /* of the shape being read, or NULL */
+    Masked    *masked;          /* owned */
+    size_t     nmasked, cap_masked;
+    uint32_t   unseen;          /* the material of borders of media; 0: not made yet */
     NamedTexture *textures;     /* owned; what the two tables of textures number */
     size_t     ntextures, cap_textures;
     Transform *transforms;      /* owned; what the table of systems numbers */
@@ -187,8 +195,6 @@ bool do_integrator(Reader *r, Place at);
 bool do_accelerator(Reader *r, Place at);
 bool do_option(Reader *r, Place at);
 bool do_volume_integrator(Reader *r, Place at);
-bool do_medium(Reader *r, Place at);
-bool do_medium_interface(Reader *r, Place at);
 
 bool do_light_source(Reader *r, Place at);      /* lightsources.c */
 bool do_area_light_source(Reader *r, Place at);
@@ -207,6 +213,17 @@ bool do_named_material(Reader *r, Place at);
 /* Makes the material `type` of the scene language. */
 bool material_make(Reader *r, Place at, const char *type, const Params *ps, const char *name,
                    uint32_t *index);
+
+bool do_medium(Reader *r, Place at);            /* surfaces.c */
+bool do_medium_interface(Reader *r, Place at);
+/* The mask ("alpha") of the shape that is being read, in r->mask; *nowhere: nothing is left. */
+bool surface_mask(Reader *r, const Params *ps, bool *nowhere);
+/* Whether a shape of this material is neither seen nor separates media nor shines. */
+bool surface_left_out(const Reader *r, uint32_t material);
+/* The material with the mask on it; that of an unseen border for MATERIAL_NONE. */
+bool surface_material(Reader *r, uint32_t material, uint32_t *index);
+/* What a shape that was added has besides: media on its sides, light. */
+bool surface_finish(Reader *r, const AreaLight *area, uint32_t shape, Place at);
 
 bool do_shape(Reader *r, Place at);             /* shapes.c */
 /* Adds a mesh given in the space of the current transform. Takes the mesh over in any case. */

@@ -37,4 +37,7 @@ void scenefile_clear(SceneFile *f);
 typedef struct ShapeReader ShapeReader;
 extern const ShapeReader *const shape_readers[];
 
+/* The media of the scene language, likewise. */
+extern const KindInfo *const medium_kinds[];
+
 #endif

@@ -100,6 +100,7 @@ bool do_camera(Reader *r, Place at)
     if (!known && !warn_at(t.at, "the camera '%.60s' is not supported; perspective is used", name))
         return false;
     r->camera_seen = true;
+    r->scene->around = r->state.outside;
     return params_read(r, SPECTRUM_ALBEDO, &ps) && camera_make(r, at, kind, &ps, known);
 }
 
@@ -130,24 +131,5 @@ bool do_volume_integrator(Reader *r, Place at)
 {
     Token t;
     return reader_string(r, "the name of the volume integrator", &t) && skip_params(r) &&
-           warn_at(at, "media are not supported; VolumeIntegrator is left out");
-}
-
-bool do_medium(Reader *r, Place at)
-{
-    Token t;
-    return reader_string(r, "the name of the medium", &t) && skip_params(r) &&
-           (!reader_once(r, ONCE_MEDIA) ||
-            warn_at(at, "media are not supported; they are left out"));
-}
-
-/* One name for both sides, or two. */
-bool do_medium_interface(Reader *r, Place at)
-{
-    Token t;
-    if (!reader_string(r, "the name of the inner medium", &t) || !reader_peek(r, &t))
-        return false;
-    if (t.kind == TOKEN_STRING && !reader_next(r, &t))
-        return false;
-    return !reader_once(r, ONCE_MEDIA) || warn_at(at, "media are not supported; they are left out");
+           warn_at(at, "VolumeIntegrator is left out: \"path\" follows light through media");
 }

@@ -41,10 +41,10 @@ static bool to_world(const Reader *r, Place at, Mesh *m)
 
 static bool add_mesh(Reader *r, Place at, Mesh *m, uint32_t material, const AreaLight *area)
 {
-    ShapeTraits traits = { material, NO_LIGHT, false };
+    ShapeTraits traits = { 0, NO_LIGHT, false };
     uint32_t shape, dropped;
 
-    if (!to_world(r, at, m))
+    if (!surface_material(r, material, &traits.material) || !to_world(r, at, m))
         return false;
     dropped = mesh_drop_degenerate(m);
     if (dropped && !r->degenerate)
@@ -54,23 +54,19 @@ static bool add_mesh(Reader *r, Place at, Mesh *m, uint32_t material, const Area
         return true;
     traits.flip = r->state.reverse != xf_swaps_hands(&r->state.ctm);
     return geometry_add_mesh(&r->scene->geometries[r->object], m, traits, &shape) &&
-           lightsource_shine(r, area, shape, at);
+           surface_finish(r, area, shape, at);
 }
 
 bool shape_add_mesh(Reader *r, Place at, Mesh *m, uint32_t material, const AreaLight *area)
 {
-    bool ok = material == MATERIAL_NONE || add_mesh(r, at, m, material, area);
+    bool ok = surface_left_out(r, material) || add_mesh(r, at, m, material, area);
     mesh_clear(m);
     return ok;
 }
 
 static bool add_current(Reader *r, Place at, Mesh *m)
 {
-    uint32_t material = r->state.material;
-    /* A light may have the material that is left out: then it only shines. */
-    if (material == MATERIAL_NONE && r->state.area)
-        material = 0;
-    return shape_add_mesh(r, at, m, material, r->state.area);
+    return shape_add_mesh(r, at, m, r->state.material, r->state.area);
 }
 
 /* ---- meshes written out ---- */
@@ -231,15 +227,10 @@ static bool read_obj(Reader *r, Place at, const Params *ps, const Opts *o)
 
 /* ---- spheres and discs ---- */
 
-bool shape_is_left_out(const Reader *r)
+bool shape_traits(Reader *r, ShapeTraits *traits)
 {
-    return r->state.material == MATERIAL_NONE && !r->state.area;
-}
-
-ShapeTraits shape_traits(const Reader *r)
-{
-    uint32_t material = r->state.material == MATERIAL_NONE ? 0 : r->state.material;
-    return (ShapeTraits){ material, NO_LIGHT, r->state.reverse };
+    *traits = (ShapeTraits){ 0, NO_LIGHT, r->state.reverse };
+    return surface_material(r, r->state.material, &traits->material);
 }
 
 static bool read_sphere(Reader *r, Place at, const Params *ps, const Opts *o)
@@ -247,6 +238,7 @@ static bool read_sphere(Reader *r, Place at, const Params *ps, const Opts *o)
     float radius = opt_float(o, "radius");
     float zmin = opt_given(o, "zmin") ? opt_float(o, "zmin") : -radius;
     float zmax = opt_given(o, "zmax") ? opt_float(o, "zmax") : radius;
+    ShapeTraits traits;
     uint32_t shape;
     Sphere s;
 
@@ -259,14 +251,16 @@ static bool read_sphere(Reader *r, Place at, const Params *ps, const Opts *o)
                warn_at(at, "the transform makes the sphere an ellipsoid; triangles are used");
     if (!v_finite(s.centre) || !is_finite(s.radius) || !(s.radius > 0))
         return err_at(at, "the sphere is not finite, or has no size, after the current transform");
-    return shape_is_left_out(r) ||
-           (geometry_add_sphere(&r->scene->geometries[r->object], &s, shape_traits(r), &shape) &&
-            lightsource_shine(r, r->state.area, shape, at));
+    return surface_left_out(r, r->state.material) ||
+           (shape_traits(r, &traits) &&
+            geometry_add_sphere(&r->scene->geometries[r->object], &s, traits, &shape) &&
+            surface_finish(r, r->state.area, shape, at));
 }
 
 static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     float radius = opt_float(o, "radius"), inner = opt_float(o, "innerradius");
+    ShapeTraits traits;
     uint32_t shape;
     Disk d;
 
@@ -279,9 +273,10 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
                warn_at(at, "the transform makes the disc an ellipse; triangles are used");
     if (!v_finite(d.centre) || !is_finite(d.radius) || !(d.radius > 0))
         return err_at(at, "the disc is not finite, or has no size, after the current transform");
-    return shape_is_left_out(r) ||
-           (geometry_add_disk(&r->scene->geometries[r->object], &d, shape_traits(r), &shape) &&
-            lightsource_shine(r, r->state.area, shape, at));
+    return surface_left_out(r, r->state.material) ||
+           (shape_traits(r, &traits) &&
+            geometry_add_disk(&r->scene->geometries[r->object], &d, traits, &shape) &&
+            surface_finish(r, r->state.area, shape, at));
 }
 
 /* ---- the table ---- */
@@ -431,18 +426,6 @@ static bool unknown_shape(Place at, const char *name)
                    near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-/* Cut-outs: a shape that is nowhere is left out, other masks are warned of once. */
-static bool alpha(Reader *r, const Params *ps, bool *nowhere)
-{
-    const Param *p = params_find(ps, "alpha", "shadowalpha");
-
-    *nowhere = p && p->kind == PARAM_FLOAT && p->n == 1 && p->numbers[0] == 0 && !r->state.area;
-    if (!p || *nowhere || (p->kind == PARAM_FLOAT && p->numbers[0] == 1))
-        return true;
-    return !reader_once(r, ONCE_ALPHA) ||
-           warn_at(p->at, "alpha is not supported; shapes are drawn whole");
-}
-
 /* What opts_params must not call unknown: the arrays, which the readers take themselves. */
 static void mark_arrays(const Params *ps, const ShapeReader *s)
 {
@@ -475,7 +458,7 @@ bool do_shape(Reader *r, Place at)
     params_with_defaults(r, TARGET_SHAPE, &ps, list, &all);
     mark_arrays(&all, s);
     opts_default(&o, s->info.options);
-    if (!alpha(r, &all, &nowhere) || !opts_params(&o, s->info.name, &all))
+    if (!surface_mask(r, &all, &nowhere) || !opts_params(&o, s->info.name, &all))
         return false;
     return nowhere || s->read(r, at, &all, &o);
 }

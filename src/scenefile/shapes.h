@@ -20,8 +20,7 @@ bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
 
 /* Of a shape without triangles: what it has of the state of the moment, and whether it is nowhere
  * (no material, no light). */
-ShapeTraits shape_traits(const Reader *r);
-bool shape_is_left_out(const Reader *r);
+bool shape_traits(Reader *r, ShapeTraits *traits);
 bool shape_not_finite(Place at, const char *what, size_t i);    /* false: reported, always */
 
 /* ---- tessellated.c ---- */

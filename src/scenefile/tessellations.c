@@ -14,9 +14,9 @@ static int bits_of(const Opts *o) { return opt_int(o, "bits") < 32 ? 16 : 32; }
  * without normals, see shapes.c. */
 static bool add(Reader *r, Place at, Tessellation *t, bool smooth)
 {
-    ShapeTraits traits = shape_traits(r);
+    ShapeTraits traits;
     uint32_t shape;
-    bool ok = true;
+    bool ok = shape_traits(r, &traits);
 
     t->smooth = smooth;
     for (uint32_t y = 0; ok && y < t->nv; y++)
@@ -24,9 +24,9 @@ static bool add(Reader *r, Place at, Tessellation *t, bool smooth)
             if (!v_finite(tessellation_point(t, x, y)))
                 ok = shape_not_finite(at, "the point", tessellation_index(t, x, y));
     traits.flip = r->state.reverse != xf_swaps_hands(&r->state.ctm);
-    if (ok && !shape_is_left_out(r))
+    if (ok && !surface_left_out(r, r->state.material))
         ok = geometry_add_tessellation(&r->scene->geometries[r->object], t, traits, &shape) &&
-             lightsource_shine(r, r->state.area, shape, at);
+             surface_finish(r, r->state.area, shape, at);
     tessellation_clear(t);
     return ok;
 }
