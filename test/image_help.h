@@ -88,7 +88,7 @@ static inline float float_of_bits(uint32_t u)
 /* Reads bytes by the format called `name`, as a file called "memory". */
 static inline bool read_memory(Image *im, const char *name, const void *bytes, size_t n)
 {
-    return format_named(name)->read(im, "memory", bytes, n, IMAGE_PIXELS_DEFAULT);
+    return format_named(name)->read(im, "memory", bytes, n, IMAGE_PIXELS_DEFAULT, ENCODING_BY_FILE);
 }
 
 #endif

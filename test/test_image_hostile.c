@@ -79,7 +79,7 @@ static void try_bytes(const ImageFormat *f, const unsigned char *bytes, size_t n
     memcpy(exact, bytes, n);
     err_reset();
     mem_fail_at(0, false);
-    ok = f->read(&im, "broken", exact, n, MOST_PIXELS);
+    ok = f->read(&im, "broken", exact, n, MOST_PIXELS, 0);
     peak = mem_peak() - held;
     EXPECT(ok == (err_status() == STATUS_OK), "%s: %d but status %d", f->info.name, ok,
            err_status());
@@ -326,7 +326,7 @@ static void refuse_all(const Wrong *w, unsigned long n)
         err_reset();
         mem_fail_at(0, false);
         ok = format_named(w[i].format)->read(&im, "wrong", (const unsigned char *)w[i].bytes,
-                                             w[i].n, UINT64_MAX);
+                                             w[i].n, UINT64_MAX, 0);
         EXPECT(!ok && err_status() == STATUS_INPUT && is_empty(&im), "file %d is read", (int)i);
         EXPECT(mem_peak() == 0, "file %d takes %lu bytes", (int)i, (unsigned long)mem_peak());
     }
@@ -455,6 +455,7 @@ static void data_malformed(void)
     broken_folder("malformed/hdr", "", 3);
     broken_folder("malformed/pfm", "", 1);
     broken_folder("malformed/tga", "", 6);
+    broken_folder("malformed/png", "", 7);
 }
 
 /* ---- memory and files that fail ---- */

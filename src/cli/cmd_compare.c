@@ -89,7 +89,7 @@ const Command command_compare = {
 static int run(int argc, char **argv)
 {
     Line l = { { NULL, NULL }, NULL, 0, -1, 1, (int64_t)IMAGE_PIXELS_DEFAULT };
-    Image a = { 0, 0, NULL }, b = { 0, 0, NULL };
+    Image a = { 0 }, b = { 0 };
     ImageDifference d;
     int status = STATUS_OK;
 

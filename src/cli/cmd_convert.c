@@ -62,7 +62,7 @@ static int run(int argc, char **argv)
 {
     Line l = { { NULL, NULL }, 0, { NULL, 0 }, (int64_t)IMAGE_PIXELS_DEFAULT };
     const ImageFormat *format;
-    Image im = { 0, 0, NULL };
+    Image im = { 0 };
     bool ok;
 
     if (!args_parse(&command_convert, argc, argv, set, &l))

@@ -49,7 +49,7 @@ static void print_box(Box b)
 
 static int info_image(const char *path)
 {
-    Image im = { 0, 0, NULL };
+    Image im = { 0 };
     Rgb least = rgb_all(INFINITY), most = rgb_all(-INFINITY);
     double sum[3] = { 0, 0, 0 };
     unsigned long bad = 0;

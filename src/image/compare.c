@@ -6,6 +6,7 @@
 #include "image/compare.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { TILE = 8 };
 #define FLOAT_ULP 0x1p-24       /* relative rounding error of a float */
@@ -168,7 +169,7 @@ bool image_difference(const Image *a, const char *name_a, const Image *r, const 
 {
     size_t n = (size_t)a->w * a->h;
 
-    *out = (Image){ 0, 0, NULL };
+    memset(out, 0, sizeof *out);
     if (!same_size(a, name_a, r, name_r) || !image_init(out, a->w, a->h))
         return false;
     for (size_t i = 0; i < n; i++)

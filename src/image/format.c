@@ -13,10 +13,17 @@ bool image_size_fits(Place at, int64_t w, int64_t h, uint64_t max_pixels)
     return true;
 }
 
-void srgb_table(float *table, unsigned most)
+float sample_decode(float x, Encoding encoding)
+{
+    if (encoding <= 0.0f)
+        return srgb_decode(x);
+    return encoding == 1.0f ? x : m_pow(x, encoding);
+}
+
+void sample_table(float *table, unsigned most, Encoding encoding)
 {
     for (unsigned v = 0; v <= most; v++)
-        table[v] = srgb_decode((float)v / (float)most);
+        table[v] = sample_decode((float)v / (float)most, encoding);
 }
 
 void quantiser_init(Quantiser *q, const Display *display)

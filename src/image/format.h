@@ -8,8 +8,10 @@
 /* False, reported at `at`: no pixels, a side of 2^31 or more, or more than max_pixels in all. */
 bool image_size_fits(Place at, int64_t w, int64_t h, uint64_t max_pixels);
 
-/* table[v] = srgb_decode(v / most) for v = 0 .. most. */
-void srgb_table(float *table, unsigned most);
+/* A sample in [0,1] made linear; by sRGB where it is left to the file. */
+float sample_decode(float x, Encoding encoding);
+/* table[v] = sample_decode(v / most) for v = 0 .. most. */
+void sample_table(float *table, unsigned most, Encoding encoding);
 
 /* Turns linear colours into display bytes. Byte b stands for from[b] <= x < from[b + 1], where
  * from[b] is what the sRGB curve maps to b - 1/2: the same as rounding the curve, but decided by

@@ -296,13 +296,14 @@ static void read_lines(Hdr *f, Image *im, unsigned char *row)
 }
 
 static bool read_hdr(Image *im, const char *path, const unsigned char *bytes, size_t n,
-                     uint64_t max_pixels)
+                     uint64_t max_pixels, Encoding encoding)
 {
     Text t;
     Hdr f = { .path = path, .gain = { 1.0, 1.0, 1.0 } };
     unsigned char *row;
 
-    *im = (Image){ 0, 0, NULL };
+    (void)encoding;
+    memset(im, 0, sizeof *im);
     text_init(&t, path, (const char *)bytes, n);
     if (!read_header(&t, f.gain) || !read_resolution(&t, &f, max_pixels))
         return false;

@@ -21,7 +21,7 @@ bool image_init(Image *im, uint32_t w, uint32_t h)
 {
     uint64_t n = (uint64_t)w * h;
 
-    *im = (Image){ 0, 0, NULL };
+    memset(im, 0, sizeof *im);
     if (n > SIZE_MAX / sizeof(Rgb))
         return err_memory(SIZE_MAX);
     im->pixels = MEM_ARRAY(Rgb, (size_t)n);
@@ -32,10 +32,33 @@ bool image_init(Image *im, uint32_t w, uint32_t h)
     return true;
 }
 
+bool image_init_alpha(Image *im, uint32_t w, uint32_t h)
+{
+    if (!image_init(im, w, h))
+        return false;
+    im->alpha = MEM_ARRAY(float, (size_t)w * h);
+    if (!im->alpha)
+        image_clear(im);
+    return im->pixels != NULL;
+}
+
+void image_drop_alpha(Image *im, float value)
+{
+    size_t i = 0, n = (size_t)im->w * im->h;
+
+    while (im->alpha && i < n && im->alpha[i] == value)
+        i++;
+    if (im->alpha && i == n) {
+        mem_free(im->alpha);
+        im->alpha = NULL;
+    }
+}
+
 void image_clear(Image *im)
 {
     mem_free(im->pixels);
-    *im = (Image){ 0, 0, NULL };
+    mem_free(im->alpha);
+    memset(im, 0, sizeof *im);
 }
 
 /* ---- choosing a format ---- */
@@ -86,33 +109,61 @@ const ImageFormat *image_format_for_writing(const char *path)
     return NULL;
 }
 
+/* Kinds of pictures that are known, but not read, and how they begin. */
+static const char *foreign_kind(const unsigned char *b, size_t n)
+{
+    static const struct { const char *name, *begin; size_t n, at; } kinds[] = {
+        { "JPEG", "\xFF\xD8\xFF", 3, 0 }, { "EXR", "\x76\x2F\x31\x01", 4, 0 },
+        { "GIF", "GIF8", 4, 0 },
+        { "BMP", "BM", 2, 0 }, { "TIFF", "II*\0", 4, 0 }, { "TIFF", "MM\0*", 4, 0 },
+        { "WebP", "WEBP", 4, 8 }, { "DDS", "DDS ", 4, 0 }, { "Ptex", "Ptex", 4, 0 },
+        { "HEIF", "ftyp", 4, 4 }
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (n >= kinds[i].at + kinds[i].n &&
+            !memcmp(b + kinds[i].at, kinds[i].begin, kinds[i].n))
+            return kinds[i].name;
+    return NULL;
+}
+
 static bool read_bytes(Image *im, const char *path, const unsigned char *bytes, size_t n,
-                       uint64_t max_pixels)
+                       uint64_t max_pixels, Encoding encoding)
 {
     Place at = { path, 0, 0 };
+    const char *foreign = foreign_kind(bytes, n);
     char names[200];
 
     extensions_that(false, names, sizeof names);
+    if (foreign)
+        return err_at(at, "is a %s file, one of these was expected: %s (another program can "
+                      "convert it, for instance: magick IN OUT.%s)", foreign, names,
+                      strcmp(foreign, "EXR") ? "png" : "pfm");
     for (const ImageFormat *const *f = image_formats; *f; f++) {
         if (!(*f)->detect(bytes, n))
             continue;
         if (!(*f)->read)
             return err_at(at, "is a %s file, one of these was expected: %s", (*f)->info.name,
                           names);
-        return (*f)->read(im, path, bytes, n, max_pixels);
+        return (*f)->read(im, path, bytes, n, max_pixels, encoding);
     }
     return err_at(at, "is no image of a known kind, one of these was expected: %s", names);
 }
 
 bool image_read(Image *im, const char *path, uint64_t max_pixels)
 {
+    return image_read_as(im, path, max_pixels, ENCODING_BY_FILE);
+}
+
+bool image_read_as(Image *im, const char *path, uint64_t max_pixels, Encoding encoding)
+{
     FileBytes f;
     bool ok;
 
-    *im = (Image){ 0, 0, NULL };
+    memset(im, 0, sizeof *im);
     if (!file_read(path, FILE_LIMIT_DEFAULT, &f))
         return false;
-    ok = read_bytes(im, path, (const unsigned char *)f.bytes, f.size, max_pixels);
+    ok = read_bytes(im, path, (const unsigned char *)f.bytes, f.size, max_pixels,
+                    encoding);
     file_clear(&f);
     return ok;
 }

@@ -90,12 +90,13 @@ static Rgb pixel(const Pfm *f, const unsigned char *p)
 }
 
 static bool read_pfm(Image *im, const char *path, const unsigned char *bytes, size_t n,
-                 uint64_t max_pixels)
+                 uint64_t max_pixels, Encoding encoding)
 {
     Text t;
     Pfm f;
 
-    *im = (Image){ 0, 0, NULL };
+    (void)encoding;
+    memset(im, 0, sizeof *im);
     text_init(&t, path, (const char *)bytes, n);
     if (!read_header(&t, &f, max_pixels) || !find_data(&t, &f) ||
         !image_init(im, (uint32_t)f.w, (uint32_t)f.h))

@@ -1,4 +1,4 @@
-/* png.c -- portable network graphics: writes 8 bits a channel, sRGB.
+/* png.c -- portable network graphics: writes 8 bits a channel, sRGB. Reading is in pngread.c.
  *
  * Source      [PNG]  ISO/IEC 15948:2003 (W3C PNG, second edition).
  * How         Every row is sent as differences from a prediction by its left, upper and upper left
@@ -6,43 +6,12 @@
  *             absolute differences, the rule that [PNG 12.8] recommends. */
 #include "image/deflate.h"
 #include "image/format.h"
+#include "image/png.h"
 
 #include "base/file.h"
 #include "base/mem.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-enum { FILTERS = 5, CHANNELS = 3, CHUNK_MAX = 1 << 20 };
-
-static const unsigned char signature[8] = { 137, 'P', 'N', 'G', 13, 10, 26, 10 };
-
-static bool detect_png(const unsigned char *b, size_t n)
-{
-    return n >= sizeof signature && !memcmp(b, signature, sizeof signature);
-}
-
-/* The neighbour nearest to left + up - corner; of equals the left one, then the upper. */
-static int paeth(int left, int up, int corner)
-{
-    int to_left = abs(up - corner), to_up = abs(left - corner);
-    int to_corner = abs(left + up - 2 * corner);
-
-    if (to_left <= to_up && to_left <= to_corner)
-        return left;
-    return to_up <= to_corner ? up : corner;
-}
-
-static int prediction(int filter, int left, int up, int corner)         /* [PNG 9.2] */
-{
-    switch (filter) {
-    case 1:  return left;
-    case 2:  return up;
-    case 3:  return (left + up) / 2;
-    case 4:  return paeth(left, up, corner);
-    default: return 0;
-    }
-}
+enum { CHANNELS = 3, CHUNK_MAX = 1 << 20 };
 
 /* Filters the n bytes of a row under the row `above` into out; returns the sum of the differences
  * as signed bytes. */
@@ -54,7 +23,7 @@ static uint64_t filter_row(int filter, const unsigned char *row, const unsigned 
     for (size_t i = 0; i < n; i++) {
         int left = i < CHANNELS ? 0 : row[i - CHANNELS];
         int corner = i < CHANNELS ? 0 : above[i - CHANNELS];
-        out[i] = (unsigned char)(row[i] - prediction(filter, left, above[i], corner));
+        out[i] = (unsigned char)(row[i] - png_prediction(filter, left, above[i], corner));
         sum += out[i] < 128 ? out[i] : 256u - out[i];
     }
     return sum;
@@ -67,7 +36,7 @@ static void put_row(const unsigned char *row, const unsigned char *above, size_t
     uint64_t least = filter_row(0, row, above, n, out + 1);
 
     out[0] = 0;
-    for (int filter = 1; filter < FILTERS; filter++) {
+    for (int filter = 1; filter < PNG_FILTERS; filter++) {
         uint64_t sum = filter_row(filter, row, above, n, trial);
         if (sum < least) {
             least = sum;
@@ -135,7 +104,7 @@ static void put_file(Out *o, const Image *im, const unsigned char *packed, size_
 
     put_u32be(header, im->w);
     put_u32be(header + 4, im->h);
-    out_write(o, signature, sizeof signature);
+    out_write(o, png_signature, PNG_SIGNATURE);
     put_chunk(o, "IHDR", header, sizeof header);
     put_chunk(o, "sRGB", intent, sizeof intent);
     put_chunk(o, "gAMA", gamma, sizeof gamma);
@@ -157,6 +126,6 @@ static bool write_png(const Image *im, const char *path, const Display *display)
 }
 
 const ImageFormat image_format_png = {
-    .info = { "png", "PNG", "portable network graphics: 8 bits a channel, sRGB", NULL },
-    .extensions = "png", .linear = false, .detect = detect_png, .read = NULL, .write = write_png
+    .info = { "png", "PNG", "portable network graphics: writes 8 bits a channel, sRGB", NULL },
+    .extensions = "png", .linear = false, .detect = png_detect, .read = png_read, .write = write_png
 };

@@ -16,11 +16,13 @@
 #include "base/text.h"
 
 #include <stdio.h>
+#include <string.h>
 
 typedef struct {
     int64_t w, h, most;
     int     channels;               /* 1 or 3 */
     bool    plain;                  /* decimal numbers */
+    Encoding encoding;
     float   linear[256];            /* of samples, if most < 256 */
 } Ppm;
 
@@ -67,7 +69,7 @@ static bool read_header(Text *t, Ppm *f, uint64_t max_pixels)
     if (!next_number(t, &f->most) || f->most < 1 || f->most > 65535)
         return err_at(text_place(t), "the largest sample was expected, 1 to 65535");
     if (f->most < 256)
-        srgb_table(f->linear, (unsigned)f->most);
+        sample_table(f->linear, (unsigned)f->most, f->encoding);
     return true;
 }
 
@@ -105,7 +107,7 @@ static bool next_sample(Text *t, const Ppm *f, float *x)
     if (v < 0 || v > f->most)
         return err_at(f->plain ? text_place(t) : (Place){ t->file, 0, 0 },
                       "a sample is %.0f, 0 to %.0f was expected", (double)v, (double)f->most);
-    *x = f->most < 256 ? f->linear[v] : srgb_decode((float)v / (float)f->most);
+    *x = f->most < 256 ? f->linear[v] : sample_decode((float)v / (float)f->most, f->encoding);
     return true;
 }
 
@@ -125,12 +127,13 @@ static bool read_pixels(Text *t, const Ppm *f, Image *im)
 }
 
 static bool read_ppm(Image *im, const char *path, const unsigned char *bytes, size_t n,
-                 uint64_t max_pixels)
+                 uint64_t max_pixels, Encoding encoding)
 {
     Text t;
     Ppm f;
 
-    *im = (Image){ 0, 0, NULL };
+    f.encoding = encoding;
+    memset(im, 0, sizeof *im);
     text_init(&t, path, (const char *)bytes, n);
     if (!read_header(&t, &f, max_pixels) || !find_data(&t, &f) ||
         !image_init(im, (uint32_t)f.w, (uint32_t)f.h))

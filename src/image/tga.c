@@ -4,7 +4,8 @@
  *      1  1 if there is a colour map                 12  width, height
  *      2  1 mapped, 2 colour, 3 grey; + 8: packed    16  bits a pixel
  *      3  first index of the map, number of          17  0x10: right to left; 0x20: top to bottom
- *      7  its entries, bits of an entry                   0xC0: interleaved, never seen
+ *      7  its entries, bits of an entry                  0x0F: bits of alpha in a colour
+ *                                                        0xC0: interleaved, never seen
  *
  * Numbers are little-endian. A colour is b g r, b g r a, or 5 bits each, blue lowest, in two bytes;
  * a grey is one byte, with 16 bits another one for alpha. A packet of a packed file is a byte n
@@ -12,10 +13,13 @@
  * in the next row.
  *
  * Source      [TGA]  Truevision TGA file format specification 2.0. Its footer is not needed.
- * Alpha is dropped. The samples are taken as sRGB.
- * Memory      12 bytes a pixel, taken after the pixels were checked from first to last. A packed
- *             file may hold 128 pixels in two bytes; max_pixels is the bound then. */
+ * Alpha is there if byte 17 says so: 8 bits of it beside 24 of colour or 8 of grey, one beside 15.
+ * A plane that is 0 everywhere was not meant and is dropped. The samples are taken as sRGB.
+ * Memory      12 bytes a pixel, 16 with alpha, taken after the pixels were checked from first to
+ *             last. A packed file may hold 128 pixels in two bytes; max_pixels is the bound then. */
 #include "image/format.h"
+
+#include <string.h>
 
 enum { HEADER = 18, MAPPED = 1, COLOUR = 2, GREY = 3, PACKED = 8 };
 
@@ -29,6 +33,7 @@ typedef struct {
     const unsigned char *map;           /* borrowed: its entries */
     const unsigned char *data, *end;    /* borrowed: the pixels; they end before `end` */
     bool     from_right, from_top;
+    unsigned alpha_bits;                /* 0, 1 or 8 */
     float    linear[256];
 } Tga;
 
@@ -72,6 +77,14 @@ static bool check_kind(const Tga *f, bool has_map)
            wrong(f, "an entry of the colour map has another size than 15, 16, 24 or 32 bits");
 }
 
+/* Bits of alpha in a colour of the file: what byte 17 says, if it is possible. */
+static unsigned alpha_of(const Tga *f, unsigned said)
+{
+    unsigned bits = f->kind == MAPPED ? f->map_bits : f->bits;
+    unsigned most = bits == 32 || (f->kind == GREY && bits == 16) ? 8 : bits == 16 ? 1 : 0;
+    return said && said <= 8 && most ? most : 0;
+}
+
 static bool read_header(Tga *f, const unsigned char *b, size_t n, uint64_t max_pixels)
 {
     bool has_map;
@@ -91,6 +104,7 @@ static bool read_header(Tga *f, const unsigned char *b, size_t n, uint64_t max_p
     f->bytes = (f->bits + 7) / 8;
     f->from_right = (b[17] & 0x10) != 0;
     f->from_top = (b[17] & 0x20) != 0;
+    f->alpha_bits = alpha_of(f, b[17] & 15);
     if (!check_kind(f, has_map) ||
         !image_size_fits((Place){ f->path, 0, 0 }, f->w, f->h, max_pixels))
         return false;
@@ -119,8 +133,15 @@ static Rgb colour_of(const Tga *f, const unsigned char *p, unsigned bits)
     return rgb(five_bits(f, v >> 10), five_bits(f, v >> 5), five_bits(f, v));
 }
 
-/* The colour of the pixel at p into *c if c is not NULL. */
-static bool read_pixel(const Tga *f, const unsigned char *p, Rgb *c)
+static float alpha_at(const Tga *f, const unsigned char *p)
+{
+    if (f->alpha_bits == 1)
+        return p[1] & 128 ? 1.0f : 0.0f;
+    return (float)p[f->kind == GREY ? 1 : 3] / 255.0f;
+}
+
+/* The pixel at p into place `to` of the image, if there is one. */
+static bool read_pixel(const Tga *f, const unsigned char *p, const Image *im, size_t to)
 {
     unsigned k;
 
@@ -131,18 +152,19 @@ static bool read_pixel(const Tga *f, const unsigned char *p, Rgb *c)
                           "from %u on", k, f->map_n, f->map_first);
         p = f->map + (size_t)(k - f->map_first) * ((f->map_bits + 7) / 8);
     }
-    if (c)
-        *c = colour_of(f, p, f->kind == MAPPED ? f->map_bits : f->kind == GREY ? 8 : f->bits);
+    if (im)
+        im->pixels[to] = colour_of(f, p, f->kind == MAPPED ? f->map_bits
+                                         : f->kind == GREY ? 8 : f->bits);
+    if (im && im->alpha)
+        im->alpha[to] = alpha_at(f, p);
     return true;
 }
 
-/* Where the k-th pixel of the file belongs; NULL without an image. */
-static Rgb *place_of(const Tga *f, const Image *im, uint64_t k)
+/* Where the k-th pixel of the file belongs. */
+static size_t place_of(const Tga *f, uint64_t k)
 {
     uint32_t x = (uint32_t)(k % f->w), y = (uint32_t)(k / f->w);
-    if (!im)
-        return NULL;
-    return image_at(im, f->from_right ? f->w - 1 - x : x, f->from_top ? y : f->h - 1 - y);
+    return (size_t)(f->from_top ? y : f->h - 1 - y) * f->w + (f->from_right ? f->w - 1 - x : x);
 }
 
 /* Reads all pixels into *im, or only checks them if im is NULL. A flat file is one packet. */
@@ -165,7 +187,7 @@ static bool read_pixels(const Tga *f, const Image *im)
                           (double)(k + (f->packed ? 0 : (uint64_t)(f->end - p) / f->bytes)),
                           (double)total);
         for (uint64_t i = 0; i < count && (im || f->kind == MAPPED); i++)
-            if (!read_pixel(f, p + (distinct == 1 ? 0 : i * f->bytes), place_of(f, im, k + i)))
+            if (!read_pixel(f, p + (distinct == 1 ? 0 : i * f->bytes), im, place_of(f, k + i)))
                 return false;
         p += distinct * f->bytes;
         k += count;
@@ -174,16 +196,19 @@ static bool read_pixels(const Tga *f, const Image *im)
 }
 
 static bool read_tga(Image *im, const char *path, const unsigned char *bytes, size_t n,
-                     uint64_t max_pixels)
+                     uint64_t max_pixels, Encoding encoding)
 {
     Tga f = { .path = path };
 
-    *im = (Image){ 0, 0, NULL };
+    memset(im, 0, sizeof *im);
     if (!read_header(&f, bytes, n, max_pixels) || !read_pixels(&f, NULL) ||
-        !image_init(im, f.w, f.h))
+        !(f.alpha_bits ? image_init_alpha : image_init)(im, f.w, f.h))
         return false;
-    srgb_table(f.linear, 255);
-    return read_pixels(&f, im);         /* was checked: cannot fail */
+    sample_table(f.linear, 255, encoding);
+    read_pixels(&f, im);                /* was checked: cannot fail */
+    image_drop_alpha(im, 0.0f);
+    image_drop_alpha(im, 1.0f);
+    return true;
 }
 
 const ImageFormat image_format_tga = {
