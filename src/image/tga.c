@@ -16,7 +16,7 @@
  * Alpha is there if byte 17 says so: 8 bits of it beside 24 of colour or 8 of grey, one beside 15.
  * A plane that is 0 everywhere was not meant and is dropped. The samples are taken as sRGB.
  * Memory      12 bytes a pixel, 16 with alpha, taken after the pixels were checked from first to
- *             last. A packed file may hold 128 pixels in two bytes; max_pixels is the bound then. */
+ *             last. A packed file may hold 128 pixels in two bytes: max_pixels is the bound. */
 #include "image/format.h"
 
 #include <string.h>
