@@ -129,10 +129,12 @@ static const Light *begin(Lab *l, const Case *c)
     give_picture(l, "map", 32, 16);
     give_picture(l, "square", 24, 24);
     lab_disk(l, RECEIVER, v3(0, 0, 1), RECEIVER_RADIUS, 0, 0);
-    if (c->kind[0])
-        index = lab_light(l, c->kind, c->options, strstr(c->options, "file") ? &turned : NULL);
-    else
+    if (!c->kind[0])
         index = area_light(l, c);
+    else if (strstr(c->options, "filename") || strstr(c->options, "fov"))
+        index = lab_light(l, c->kind, c->options, &turned);
+    else
+        index = lab_light(l, c->kind, c->options, NULL);
     lab_build(l);
     return l->scene->lights[index];
 }
