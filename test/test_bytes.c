@@ -57,6 +57,8 @@ static const char BALL[] = "Translate 0 0 0.7\nShape \"sphere\" \"float radius\"
 
 /* What kinds need besides their name. */
 static const struct { const char *kind, *params; } NEEDS[] = {
+    { "goniometric", "\"string filename\" \"sky.pfm\"" },
+    { "projection", "\"string filename\" \"wood.ppm\"" },
     { "trianglemesh", "\"point3 P\" [ -1 0 0  1 0 0.2  0 0.3 1.3 ] \"integer indices\" [ 0 1 2 ]" },
     { "plymesh", "\"string filename\" \"roof.ply\"" },
     { "obj", "\"string filename\" \"room.obj\"" },

@@ -95,6 +95,15 @@ static const Fault faults[] = {
       "WorldBegin Texture \"a\" \"float\" \"imagemap\" \"float filename\" 1" },
     { 1, 67, "\"wrap\" is not right, expected one string", "WorldBegin Texture \"a\" \"float\" "
       "\"imagemap\" \"string filename\" \"b\"   \"float wrap\" 1" },
+    /* lights */
+    { 1, 12, "the sun is not above the horizon",
+      "WorldBegin LightSource \"sky\" \"vector3 sundirection\" [1 0 0]" },
+    { 1, 32, "expected a number from 2 to 10",
+      "WorldBegin LightSource \"sky\"   \"float turbidity\" 1" },
+    { 1, 24, "a goniometric light's transform must be a rotation",
+      "WorldBegin Scale 1 2 3 LightSource \"goniometric\"" },
+    { 1, 35, "\"string mapping\" is not right",
+      "WorldBegin LightSource \"infinite\" \"string mapping\" \"cube\"" },
     /* shapes */
     { 1, 33, "\"P\" is not right",
       "WorldBegin Shape \"trianglemesh\" \"integer P\" [1 2 3]" },
@@ -210,7 +219,8 @@ static const Fault warnings[] = {
     { 1, 28, "the area light 'difuse' is not known, did you mean 'diffuse'?",
       "WorldBegin AreaLightSource \"difuse\"" },
     { 1, 24, "the light 'sun' is not known", "WorldBegin LightSource \"sun\" \"rgb L\" [1 1 1]" },
-    { 1, 24, "point is used", "WorldBegin LightSource \"goniometric\" \"rgb I\" [1 1 1]" },
+    { 1, 35, "a portal is left out: the light is the same",
+      "WorldBegin LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]" },
     { 1, 28, "the area light 'point' is not known", "WorldBegin AreaLightSource \"point\"" },
     { 1, 30, "unknown coordinate system 'worl', did you mean 'world'?",
       "WorldBegin CoordSysTransform \"worl\"" },

@@ -1,10 +1,13 @@
-/* area.c -- the light `diffuse`: a shape that shines with radiance L from its front, alike in all
- * directions.
+/* area.c -- the light `diffuse`: a shape that shines from its front with radiance L, times a
+ * picture over its (u, v), times cos^exponent of the angle to its normal: exponent 0 shines alike
+ * in all directions, higher ones are focused about the normal.
  *
- * Source      [Cline07 4.4.2, (4.6)] area to solid angle; [Shirley96] the cone of a sphere.
+ * Source      [Cline07 4.4.2, (4.6)] area to solid angle; [Shirley96] the cone of a sphere; [GIRT
+ *             appendix B] the exponent.
  * Sampling    Meshes and tessellations: a triangle by area, then a uniform point. Discs: uniform
  *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
  *             area.
+ * Emission    A point uniform by area, a direction in proportion to cos^(exponent + 1).
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
 #include "sampling/table.h"
 #include "sampling/warp.h"
@@ -14,6 +17,8 @@ typedef struct {
     Light base;
     Rgb   L;
     bool  two_sided;
+    float exponent;
+    Texture picture;            /* if base.textured */
     const Scene *scene;         /* borrowed */
     uint32_t geometry, shape;
     float area;
@@ -36,6 +41,16 @@ static Light *make(const Making *m, const Opts *o)
     l->L = rgb_mul(opt_rgb(o, "L"), opt_rgb(o, "scale"));
     l->two_sided = opt_bool(o, "twosided");
     l->power_wanted = opt_float(o, "power");
+    l->exponent = opt_float(o, "exponent");
+    if (opt_string(o, "filename")[0]) {
+        l->base.textured = true;
+        l->picture.kind = TEXTURE_IMAGE;
+        l->picture.value = rgb_all(1.0f);
+        l->picture.su = l->picture.sv = 1.0f;
+        l->picture.image = scene_image(m->scene, m, opt_string(o, "filename"));
+        if (!l->picture.image)
+            return NULL;
+    }
     return &l->base;
 }
 
@@ -78,11 +93,19 @@ static bool prepare_triangles(Area *l, const Shape *s)
     return ok;
 }
 
+/* The integral of cos^(exponent + 1) is 2 pi / (exponent + 2). */
+static Rgb power(const Light *base)
+{
+    const Area *l = (const Area *)base;
+    float all = PI_F * l->area * (l->two_sided ? 2.0f : 1.0f) / (0.5f * l->exponent + 1.0f);
+    Rgb p = rgb_scale(l->L, all);
+    return base->textured ? rgb_mul(p, texture_mean(&l->picture)) : p;
+}
+
 static bool prepare(Light *base, const Scene *scene)
 {
     Area *l = (Area *)base;
     const Shape *s = shape_of(l);
-    float lum;
 
     (void)scene;
     switch (s->kind) {
@@ -102,9 +125,7 @@ static bool prepare(Light *base, const Scene *scene)
     case SHAPE_INSTANCE:
         break;
     }
-    lum = rgb_lum(l->L) * PI_F * l->area * (l->two_sided ? 2.0f : 1.0f);
-    if (l->power_wanted > 0.0f && lum > 0.0f)
-        l->L = rgb_scale(l->L, l->power_wanted / lum);
+    l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
     return true;
 }
 
@@ -115,9 +136,19 @@ static void clear(Light *base)
     mem_free(l->normals);
 }
 
-/* ---- points on shapes; each gives point, error, front normal ---- */
+/* ---- points on shapes; each gives point, error, front normal, and (u, v) if it matters ---- */
 
-static bool point_on_triangles(const Area *l, V2 u, LightSample *s)
+typedef struct { V3 p, err, n; V2 uv; } AreaPoint;
+
+static void point_of(Surface *sf, AreaPoint *s)
+{
+    s->p = sf->p;
+    s->err = sf->err;
+    s->n = sf->ng;
+    s->uv = sf->uv;
+}
+
+static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
 {
     const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
@@ -127,14 +158,12 @@ static bool point_on_triangles(const Area *l, V2 u, LightSample *s)
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    if (shape->n) {                             /* the file's normals say which side shines */
+    if (shape->n || l->base.textured) {         /* the file's normals say which side shines */
         Ray none = { .d = { 0, 0, 1 } };
         Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
         Surface sf;
         geometry_surface(g, &none, &h, &sf);
-        s->p = sf.p;
-        s->err = sf.err;
-        s->n = sf.ng;
+        point_of(&sf, s);
         return true;
     }
     geometry_point(g, lamp_triangle(shape, i), b.y, b.z, &s->p, &s->err);
@@ -142,10 +171,29 @@ static bool point_on_triangles(const Area *l, V2 u, LightSample *s)
     return true;
 }
 
-/* By Archimedes, z is uniform on a sphere. */
-static bool point_on_sphere(const Shape *shape, V2 u, LightSample *s)
+/* (u, v) of a point of a sphere or disc, as a ray that ends there finds it. */
+static V2 uv_at(const Area *l, V3 p)
 {
-    const Sphere *sp = &shape->as.sphere;
+    Ray none = { .o = p };
+    Hit h = { 0, 0, 0, NO_PRIM, shape_of(l)->first };
+    Surface sf;
+
+    if (!l->base.textured)
+        return (V2){ 0, 0 };
+    geometry_surface(geometry_of(l), &none, &h, &sf);
+    return sf.uv;
+}
+
+static void point_on_round(const Area *l, V3 centre, float radius, V3 n, AreaPoint *s)
+{
+    s->err = v_scale(v_add(v_all(radius), v_abs(centre)), ROUNDINGS(6));
+    s->n = shape_of(l)->flip ? v_neg(n) : n;
+    s->uv = uv_at(l, s->p);
+}
+
+/* By Archimedes, z is uniform on a sphere. */
+static void point_on_sphere(const Area *l, const Sphere *sp, V2 u, AreaPoint *s)
+{
     float z = sp->zmin + u.y * (sp->zmax - sp->zmin);
     float r = sqrtf(f_max(0.0f, (sp->radius - z) * (sp->radius + z))), sn, cs;
     V3 d;
@@ -153,14 +201,11 @@ static bool point_on_sphere(const Shape *shape, V2 u, LightSample *s)
     m_sincos_turn(u.x * (sp->phimax / (2.0f * PI_F)), &sn, &cs);
     d = v_unit(frame_out(&sp->frame, v3(r * cs, r * sn, z)));
     s->p = v_mad(d, sp->radius, sp->centre);
-    s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
-    s->n = shape->flip ? v_neg(d) : d;
-    return true;
+    point_on_round(l, sp->centre, sp->radius, d, s);
 }
 
-static bool point_on_disk(const Shape *shape, V2 u, LightSample *s)
+static void point_on_disk(const Area *l, const Disk *d, V2 u, AreaPoint *s)
 {
-    const Disk *d = &shape->as.disk;
     V2 q;
 
     if (d->inner == 0.0f && d->phimax >= 2.0f * PI_F) {
@@ -172,9 +217,37 @@ static bool point_on_disk(const Shape *shape, V2 u, LightSample *s)
         q = (V2){ r * cs, r * sn };
     }
     s->p = v_mad(d->frame.s, q.x, v_mad(d->frame.t, q.y, d->centre));
-    s->err = v_scale(v_add(v_all(d->radius), v_abs(d->centre)), ROUNDINGS(6));
-    s->n = shape->flip ? v_neg(d->frame.n) : d->frame.n;
-    return true;
+    point_on_round(l, d->centre, d->radius, d->frame.n, s);
+}
+
+/* Uniform by area. False: there is none. */
+static bool point_sample(const Area *l, V2 u, AreaPoint *s)
+{
+    const Shape *shape = shape_of(l);
+
+    s->uv = (V2){ 0, 0 };
+    switch (shape->kind) {
+    case SHAPE_MESH:
+    case SHAPE_TESSELLATION: return point_on_triangles(l, u, s);
+    case SHAPE_SPHERE:   point_on_sphere(l, &shape->as.sphere, u, s); return true;
+    case SHAPE_DISK:     point_on_disk(l, &shape->as.disk, u, s); return true;
+    case SHAPE_INSTANCE: break;
+    }
+    return false;
+}
+
+/* Radiance at (u, v) in a direction whose cosine with the normal is c > 0. */
+static Rgb emitted(const Area *l, V2 uv, float c)
+{
+    Rgb L = l->L;
+
+    if (l->exponent > 0.0f)
+        L = rgb_scale(L, m_pow(f_min(c, 1.0f), l->exponent));
+    if (l->base.textured) {
+        Surface at = surface_at(v_all(0.0f), v_all(0.0f), v_all(0.0f), uv);
+        L = rgb_mul(L, texture_eval(&l->picture, &at));
+    }
+    return L;
 }
 
 /* ---- the cone of a sphere ---- */
@@ -193,9 +266,9 @@ static float cone_height(const Sphere *sp, V3 from, V3 *to_centre, float *dist2)
     return warp_cone_height(r * r / *dist2);
 }
 
-/* The near point where direction w, at cosine c to the axis, meets the sphere. In double from the
+/* The near point where direction wi meets the sphere. In double from the
  * centre: from afar the sphere can be smaller than the roundings of its place. */
-static void near_point(const Sphere *sp, const Shape *shape, V3 to_centre, LightSample *s)
+static void near_point(const Area *l, const Sphere *sp, V3 to_centre, LightSample *s)
 {
     double x = to_centre.x, y = to_centre.y, z = to_centre.z, r2 = (double)sp->radius * sp->radius;
     double b = x * s->wi.x + y * s->wi.y + z * s->wi.z, d2 = x * x + y * y + z * z;
@@ -203,12 +276,16 @@ static void near_point(const Sphere *sp, const Shape *shape, V3 to_centre, Light
     V3 d = v_unit(v3((float)(t * s->wi.x - x), (float)(t * s->wi.y - y),
                      (float)(t * s->wi.z - z)));
     float away = v_dot(d, s->wi);
+    AreaPoint at;
 
     if (away > 0.0f)                    /* rounding at the rim: the like normal that faces us */
         d = v_mad(s->wi, -2.0f * away, d);
-    s->p = v_mad(d, sp->radius, sp->centre);
-    s->err = v_scale(v_add(v_all(sp->radius), v_abs(sp->centre)), ROUNDINGS(6));
-    s->n = shape->flip ? v_neg(d) : d;
+    at.p = v_mad(d, sp->radius, sp->centre);
+    point_on_round(l, sp->centre, sp->radius, d, &at);
+    s->p = at.p;
+    s->err = at.err;
+    s->n = at.n;
+    s->L = emitted(l, at.uv, v_absdot(at.n, s->wi));
     s->dist = (float)t;
 }
 
@@ -221,8 +298,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     const Area *l = (const Area *)base;
     const Shape *shape = shape_of(l);
-    bool ok = false;
     float d2, cosine;
+    AreaPoint at;
     V3 d;
 
     if (shape->kind == SHAPE_SPHERE) {
@@ -231,20 +308,15 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
             Frame axis = frame_about(v_unit(d));
             s->wi = frame_out(&axis, warp_cone(u, h));
             s->pdf_w = warp_cone_pdf(h);
-            s->L = l->L;
-            near_point(&shape->as.sphere, shape, d, s);
+            near_point(l, &shape->as.sphere, d, s);
             return l->two_sided || !shape->flip;        /* we see the outside */
         }
     }
-    switch (shape->kind) {
-    case SHAPE_MESH:
-    case SHAPE_TESSELLATION: ok = point_on_triangles(l, u, s); break;
-    case SHAPE_SPHERE:   ok = point_on_sphere(shape, u, s); break;
-    case SHAPE_DISK:     ok = point_on_disk(shape, u, s); break;
-    case SHAPE_INSTANCE: break;
-    }
-    if (!ok)
+    if (!point_sample(l, u, &at))
         return false;
+    s->p = at.p;
+    s->err = at.err;
+    s->n = at.n;
     d = v_sub(s->p, from);
     d2 = v_len2(d);
     if (!(d2 > 0.0f))
@@ -254,7 +326,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     cosine = v_absdot(s->n, s->wi);
     if (!front(l, s) || !(cosine > 0.0f))
         return false;
-    s->L = l->L;
+    s->L = emitted(l, at.uv, cosine);
     s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
     return is_finite(s->pdf_w);
 }
@@ -279,29 +351,90 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
 static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
 {
     const Area *l = (const Area *)base;
-    return l->two_sided || v_dot(hit->ng, wi) < 0.0f ? l->L : rgb_all(0.0f);
+    float c = -v_dot(hit->ng, wi);
+
+    if (!l->two_sided && !(c > 0.0f))
+        return rgb_all(0.0f);
+    return emitted(l, hit->uv, fabsf(c));
 }
 
-static Rgb power(const Light *base)
+/* ---- emission ---- */
+
+static float direction_pdf(const Area *l, float c)
+{
+    float pdf = l->exponent > 0.0f
+                    ? (l->exponent + 2.0f) * 0.5f * INV_PI * m_pow(c, l->exponent + 1.0f)
+                    : warp_cosine_pdf(c);
+    return l->two_sided ? 0.5f * pdf : pdf;
+}
+
+/* About +z: cos^(exponent + 2) is uniform in u. */
+static V3 direction_about(const Area *l, V2 u)
+{
+    float c, sine, sn, cs;
+
+    if (!(l->exponent > 0.0f))
+        return warp_cosine(u);
+    c = m_pow(1.0f - u.x, 1.0f / (l->exponent + 2.0f));         /* u.x < 1: above 0 */
+    sine = sqrtf(f_max(0.0f, (1.0f - c) * (1.0f + c)));
+    m_sincos_turn(u.y, &sn, &cs);
+    return v3(sine * cs, sine * sn, c);
+}
+
+static bool emit(const Light *base, V2 u, V2 v, Emission *e)
 {
     const Area *l = (const Area *)base;
-    return rgb_scale(l->L, PI_F * l->area * (l->two_sided ? 2.0f : 1.0f));
+    bool back = l->two_sided && v.x >= 0.5f;
+    Frame f;
+    AreaPoint at;
+
+    if (!(l->area > 0.0f) || !point_sample(l, u, &at))
+        return false;
+    if (l->two_sided)
+        v.x = back ? 2.0f * v.x - 1.0f : 2.0f * v.x;
+    e->p = at.p;
+    e->err = at.err;
+    e->n = back ? v_neg(at.n) : at.n;
+    f = frame_about(e->n);
+    e->d = v_unit(frame_out(&f, direction_about(l, v)));
+    e->cosine = v_dot(e->n, e->d);
+    if (!(e->cosine > 0.0f))
+        return false;
+    e->L = emitted(l, at.uv, e->cosine);
+    e->pdf_a = 1.0f / l->area;
+    e->pdf_w = direction_pdf(l, e->cosine);
+    return e->pdf_w > 0.0f;
+}
+
+static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf_w)
+{
+    const Area *l = (const Area *)base;
+    float c = v_dot(hit->ng, d);
+
+    if (l->two_sided)
+        c = fabsf(c);
+    *pdf_a = l->area > 0.0f ? 1.0f / l->area : 0.0f;
+    *pdf_w = c > 0.0f ? direction_pdf(l, c) : 0.0f;
 }
 
 static const OptDef options[] = {
-    { .key = "L", .type = OPT_RGB, .num = 1, .help = "radiance, W/(m^2 sr)" },
+    { .key = "L", .type = OPT_RGB, .num = 1, .help = "radiance along the normal, W/(m^2 sr)" },
     { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of L" },
     { .key = "power", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
       .help = "W (by luminance); sets L if above 0" },
     { .key = "twosided", .type = OPT_BOOL, .help = "shines from the back too" },
+    { .key = "exponent", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e6,
+      .help = "of the cosine to the normal; 0 shines alike in all directions" },
+    { .key = "filename", .type = OPT_STRING, .str = "",
+      .help = "picture over (u, v), a factor of L" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
     { .key = NULL }
 };
 
 const LightKind light_diffuse = {
-    .info = { "diffuse", "Cline07 4.4.2; Shirley96", "a shape that shines (AreaLightSource)",
-              options },
+    .info = { "diffuse", "Cline07 4.4.2; Shirley96; GIRT B",
+              "a shape that shines (AreaLightSource)", options },
     .make = make, .prepare = prepare, .clear = clear, .sample = sample, .pdf_w = pdf_w,
-    .radiance = radiance, .power = power
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
 };

@@ -6,14 +6,13 @@ typedef struct {
     Light base;
     V3    to_light;             /* unit */
     Rgb   E;                    /* irradiance on a facing surface */
-    float radius;               /* of the scene */
+    Stage stage;
 } Distant;
 
 static Light *make(const Making *m, const Opts *o)
 {
     Distant *l = arena_take(&m->scene->arena, 1, sizeof *l);
     V3 d = v_sub(opt_point(o, "from"), opt_point(o, "to"));
-    float illuminance = opt_float(o, "illuminance"), lum;
 
     if (!l)
         return NULL;
@@ -23,15 +22,13 @@ static Light *make(const Making *m, const Opts *o)
         return NULL;
     }
     l->E = rgb_mul(opt_rgb(o, "L"), opt_rgb(o, "scale"));
-    lum = rgb_lum(l->E);
-    if (illuminance > 0.0f && lum > 0.0f)
-        l->E = rgb_scale(l->E, illuminance / lum);
+    l->E = rgb_scale(l->E, power_factor(opt_float(o, "illuminance"), l->E));
     return &l->base;
 }
 
 static bool prepare(Light *base, const Scene *s)
 {
-    ((Distant *)base)->radius = s->radius;
+    ((Distant *)base)->stage = stage_of(s);
     return true;
 }
 
@@ -48,11 +45,30 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     return true;
 }
 
+static bool emit(const Light *base, V2 u, V2 v, Emission *e)
+{
+    const Distant *l = (const Distant *)base;
+
+    (void)v;
+    emit_from_beyond(&l->stage, v_neg(l->to_light), u, e);
+    e->L = l->E;
+    e->pdf_w = 1.0f;
+    return true;
+}
+
+static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf_w)
+{
+    (void)hit;
+    (void)d;
+    *pdf_a = stage_pdf_a(&((const Distant *)base)->stage);
+    *pdf_w = 1.0f;
+}
+
 /* What passes through the disc that the scene's sphere shows. */
 static Rgb power(const Light *base)
 {
     const Distant *l = (const Distant *)base;
-    return rgb_scale(l->E, PI_F * l->radius * l->radius);
+    return rgb_scale(l->E, PI_F * l->stage.radius * l->stage.radius);
 }
 
 static const OptDef options[] = {
@@ -67,6 +83,7 @@ static const OptDef options[] = {
 
 const LightKind light_distant = {
     .info = { "distant", "PBRT4 12.3", "parallel rays from infinitely far", options },
-    .delta = true, .make = make, .prepare = prepare, .sample = sample, .pdf_w = delta_pdf_w,
-    .radiance = delta_radiance, .power = power
+    .delta = DELTA_DIRECTION, .make = make, .prepare = prepare, .sample = sample,
+    .pdf_w = delta_pdf_w, .radiance = delta_radiance, .emit = emit, .emit_pdf = emit_pdf,
+    .power = power
 };

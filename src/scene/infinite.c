@@ -1,47 +1,33 @@
-/* infinite.c -- the light `infinite`: radiance from all directions, constant or by a picture in
- * latitude and longitude.
+/* infinite.c -- the light `infinite`: radiance from all directions, constant or by a picture of
+ * them.
  *
- * Source      [Cline07 4.4.2, 5.2.1]; density: errata 5.1, d omega = 2 pi^2 sin(theta) du dv.
- * Mapping     z is up; u = phi / 2 pi runs with phi = atan2(y, x), v = theta / pi from the top row.
- * Sampling    Cells of the picture in proportion to luminance times sin(theta); constant skies
- *             uniformly over the sphere. The picture is looked up by cell, not between cells: so
- *             the density is above 0 wherever the radiance is, see errata 5.3. */
-#include "sampling/table.h"
+ * Source      [Cline07 4.4.2, 5.2.1]; mappings of pictures: panorama.h.
+ * Sampling    Cells of the picture in proportion to luminance times solid angle; constant skies
+ *             uniformly over the sphere. */
 #include "sampling/warp.h"
-#include "scene/scene.h"
-
-#include <string.h>
+#include "scene/panorama.h"
 
 typedef struct {
     Light  base;
     Rgb    L;                   /* factor of the picture, or the constant */
     const Image *image;         /* borrowed from the scene, or &own; NULL: constant */
     Image  own;                 /* owned */
-    Table2 table;               /* owned */
+    Mapping mapping;
+    Panorama picture;           /* owned */
     Affine to_light;            /* directions of the world in the light's frame */
     Affine to_world;
-    float  radius;              /* of the scene */
+    Stage  stage;
+    float  illuminance;         /* wanted on a surface that faces z; 0: L is as given */
     Rgb    mean;                /* radiance over the sphere */
 } Infinite;
 
 static Infinite *make_any(const Making *m, Rgb L)
 {
     Infinite *l = arena_take(&m->scene->arena, 1, sizeof *l);
-    double scale;
 
-    if (!l)
+    if (!l || !frame_of_light(m, "an infinite light's", &l->to_world, &l->to_light))
         return NULL;
     l->L = l->mean = L;
-    if (!xf_is_similarity(&m->to_world, &scale)) {
-        err_at(m->at, "an infinite light's transform must be a rotation");
-        return NULL;
-    }
-    l->to_world = xf_affine(&m->to_world);
-    for (int i = 0; i < 3; i++)                         /* take the scale factor out */
-        for (int j = 0; j < 3; j++) {
-            l->to_world.m[i][j] = (float)(m->to_world.m[i][j] / scale);
-            l->to_light.m[j][i] = l->to_world.m[i][j];
-        }
     return l;
 }
 
@@ -52,130 +38,111 @@ static Light *make(const Making *m, const Opts *o)
 
     if (!l)
         return NULL;
+    if (opt_param(o, "portal") &&
+        !warn_at(opt_param(o, "portal")->at, "a portal is left out: the light is the same, with "
+                 "more noise"))
+        return NULL;
+    l->illuminance = opt_float(o, "illuminance");
     if (name[0]) {
         l->image = scene_image(m->scene, m, name);
         if (!l->image)
             return NULL;
+        l->mapping = mapping_option(o, l->image);
     }
     return &l->base;
-}
-
-/* Weights of the table: luminance times the sine at the middle of the row, and the mean. */
-static bool prepare_picture(Infinite *l)
-{
-    const Image *im = l->image;
-    float *weight = MEM_ARRAY(float, (size_t)im->w * im->h);
-    double sum[3] = { 0, 0, 0 }, all = 0;
-    bool ok;
-
-    if (!weight)
-        return false;
-    for (uint32_t y = 0; y < im->h; y++) {
-        double sine = md_sin(PI * (y + 0.5) / im->h);
-        for (uint32_t x = 0; x < im->w; x++) {
-            Rgb c = *image_at(im, x, y);
-            weight[(size_t)y * im->w + x] = (float)(rgb_lum(c) * sine);
-            sum[0] += c.r * sine;
-            sum[1] += c.g * sine;
-            sum[2] += c.b * sine;
-            all += sine;
-        }
-    }
-    l->mean = rgb_mul(l->L, rgb((float)(sum[0] / all), (float)(sum[1] / all),
-                                (float)(sum[2] / all)));
-    ok = table2_init(&l->table, weight, im->w, im->h);
-    mem_free(weight);
-    return ok;
 }
 
 static bool prepare(Light *base, const Scene *s)
 {
     Infinite *l = (Infinite *)base;
-    l->radius = s->radius;
-    return !l->image || prepare_picture(l);
+    double up = PI;
+
+    l->stage = stage_of(s);
+    if (l->image && !panorama_init(&l->picture, l->image, l->mapping))
+        return false;
+    if (l->image && l->illuminance > 0.0f)
+        up = panorama_upward(&l->picture);
+    l->L = rgb_scale(l->L, power_factor(l->illuminance, rgb_scale(l->L, (float)up)));
+    l->mean = l->image ? rgb_mul(l->L, l->picture.mean) : l->L;
+    return true;
 }
 
 static void clear(Light *base)
 {
     Infinite *l = (Infinite *)base;
-    table2_clear(&l->table);
+    panorama_clear(&l->picture);
     image_clear(&l->own);
 }
 
-static Rgb lookup(const Infinite *l, V2 p)
+/* A direction towards the light, its density and the radiance from there. */
+static bool draw(const Infinite *l, V2 u, V3 *wi, float *pdf, Rgb *L)
 {
-    uint32_t x = (uint32_t)(p.x * (float)l->image->w), y = (uint32_t)(p.y * (float)l->image->h);
-    if (x >= l->image->w)
-        x = l->image->w - 1;
-    if (y >= l->image->h)
-        y = l->image->h - 1;
-    return rgb_mul(l->L, *image_at(l->image, x, y));
-}
+    Rgb value;
+    V3 d;
 
-/* Place in the picture of a unit direction of the light's frame, and the sine of its angle to z. */
-static V2 place_of(V3 w, float *sine)
-{
-    float phi = m_atan2(w.y, w.x);
-    *sine = sqrtf(w.x * w.x + w.y * w.y);
-    return (V2){ f_min((phi < 0.0f ? phi + 2.0f * PI_F : phi) * (0.5f * INV_PI), ONE_MINUS_ULP),
-                 f_min(m_atan2(*sine, w.z) * INV_PI, ONE_MINUS_ULP) };
+    *L = l->L;
+    if (!l->image) {
+        *wi = warp_sphere(u);
+        *pdf = warp_sphere_pdf();
+        return true;
+    }
+    if (!panorama_sample(&l->picture, u, &d, pdf, &value))
+        return false;
+    *wi = v_unit(affine_vector(&l->to_world, d));
+    *L = rgb_mul(l->L, value);
+    return true;
 }
 
 static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
-    const Infinite *l = (const Infinite *)base;
-    float pdf, sn, cs, st, ct;
-    V2 p;
-
     (void)from;
     s->dist = INFINITY;
     s->p = s->err = s->n = v_all(0.0f);
-    if (!l->image) {
-        s->wi = warp_sphere(u);
-        s->pdf_w = warp_sphere_pdf();
-        s->L = l->L;
-        return true;
-    }
-    if (!table2_sample(&l->table, u, &p, &pdf))
-        return false;
-    m_sincos_turn(p.x, &sn, &cs);
-    m_sincos_turn(0.5f * p.y, &st, &ct);
-    if (!(st > 0.0f))
-        return false;
-    s->wi = v_unit(affine_vector(&l->to_world, v3(st * cs, st * sn, ct)));
-    s->pdf_w = pdf / (2.0f * PI_F * PI_F * st);
-    s->L = lookup(l, p);
-    return s->pdf_w > 0.0f;
+    return draw((const Infinite *)base, u, &s->wi, &s->pdf_w, &s->L);
 }
 
 static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
 {
     const Infinite *l = (const Infinite *)base;
-    float sine;
-    V2 p;
 
     (void)from;
     (void)hit;
-    if (!l->image)
-        return warp_sphere_pdf();
-    p = place_of(affine_vector(&l->to_light, wi), &sine);
-    return sine > 0.0f ? table2_pdf(&l->table, p) / (2.0f * PI_F * PI_F * sine) : 0.0f;
+    return l->image ? panorama_pdf_w(&l->picture, affine_vector(&l->to_light, wi))
+                    : warp_sphere_pdf();
 }
 
 static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
 {
     const Infinite *l = (const Infinite *)base;
-    float sine;
 
     (void)hit;
-    return l->image ? lookup(l, place_of(affine_vector(&l->to_light, wi), &sine)) : l->L;
+    if (!l->image)
+        return l->L;
+    return rgb_mul(l->L, panorama_at(&l->picture, affine_vector(&l->to_light, wi)));
+}
+
+static bool emit(const Light *base, V2 u, V2 v, Emission *e)
+{
+    const Infinite *l = (const Infinite *)base;
+    V3 wi;
+
+    if (!draw(l, v, &wi, &e->pdf_w, &e->L))
+        return false;
+    emit_from_beyond(&l->stage, v_neg(wi), u, e);
+    return true;
+}
+
+static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf)
+{
+    *pdf_a = stage_pdf_a(&((const Infinite *)base)->stage);
+    *pdf = pdf_w(base, v_all(0.0f), v_neg(d), hit);
 }
 
 /* What passes through the disc that the scene's sphere shows, from all directions. */
 static Rgb power(const Light *base)
 {
     const Infinite *l = (const Infinite *)base;
-    return rgb_scale(l->mean, 4.0f * PI_F * PI_F * l->radius * l->radius);
+    return rgb_scale(l->mean, 4.0f * PI_F * PI_F * l->stage.radius * l->stage.radius);
 }
 
 /* ---- the sky of a bare mesh ---- */
@@ -216,14 +183,19 @@ static const OptDef options[] = {
     { .key = "L", .type = OPT_RGB, .num = 1, .help = "radiance, or a factor of the picture" },
     { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of L" },
     { .key = "filename", .type = OPT_STRING, .str = "", .also = "mapname",
-      .help = "picture in latitude and longitude, z up (PFM, HDR, ...)" },
+      .help = "picture of all directions (PFM, HDR, ...)" },
+    MAPPING_OPTION("where directions are; auto: octahedral if square, but mapname is latlong"),
+    { .key = "illuminance", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
+      .help = "luminance of the irradiance on a surface that faces z; sets L if above 0" },
+    { .key = "portal", .type = OPT_NUMBERS, .help = "left out: the light is the same without it" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
     { .key = NULL }
 };
 
 const LightKind light_infinite = {
-    .info = { "infinite", "Cline07 4.4.2", "the sky: constant, or a picture", options },
+    .info = { "infinite", "Cline07 4.4.2; Clarberg08; Debevec98",
+              "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .power = power
+    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
 };

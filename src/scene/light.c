@@ -1,10 +1,12 @@
-/* light.c -- the list of lights. See scene.h. */
+/* light.c -- the list of lights and what they share. See scene.h. */
+#include "sampling/warp.h"
 #include "scene/scene.h"
 
 #define LIGHTS(X)                                                              \
-    X(point) X(spot) X(distant)         /* delta lights */                     \
+    X(point) X(spot) X(goniometric) X(projection)       /* at a point */       \
+    X(distant)                          /* parallel */                         \
     X(diffuse)                          /* shapes that shine, area.c */        \
-    X(infinite)                         /* the sky */
+    X(infinite) X(sky)                  /* all round */
 #define DECLARE(name) extern const LightKind light_##name;
 #define ENTRY(name) &light_##name,
 LIGHTS(DECLARE)
@@ -25,4 +27,68 @@ Rgb delta_radiance(const Light *l, V3 wi, const Surface *hit)
     (void)wi;
     (void)hit;
     return rgb_all(0.0f);
+}
+
+float power_factor(float wanted, Rgb own)
+{
+    float lum = rgb_lum(own);
+    return wanted > 0.0f && lum > 0.0f ? wanted / lum : 1.0f;
+}
+
+bool frame_of_light(const Making *m, const char *what, Affine *to_world, Affine *to_light)
+{
+    double scale;
+
+    if (!xf_is_similarity(&m->to_world, &scale))
+        return err_at(m->at, "%s transform must be a rotation", what);
+    *to_light = *to_world = xf_affine(&m->to_world);
+    for (int i = 0; i < 3; i++)                         /* take the scale factor out */
+        for (int j = 0; j < 3; j++) {
+            to_world->m[i][j] = (float)(m->to_world.m[i][j] / scale);
+            to_light->m[j][i] = to_world->m[i][j];
+        }
+    return true;
+}
+
+float sample_at_point(V3 p, V3 from, LightSample *s)
+{
+    V3 d = v_sub(p, from);
+    float d2 = v_len2(d);
+
+    if (!(d2 > 0.0f))
+        return 0.0f;
+    s->dist = sqrtf(d2);
+    s->wi = v_scale(d, 1.0f / s->dist);
+    s->pdf_w = 1.0f;
+    s->p = p;
+    s->err = s->n = v_all(0.0f);
+    return d2;
+}
+
+void emit_from_point(V3 p, V3 d, Rgb I, float pdf_w, Emission *e)
+{
+    e->p = p;
+    e->err = e->n = v_all(0.0f);
+    e->d = d;
+    e->L = I;
+    e->cosine = e->pdf_a = 1.0f;
+    e->pdf_w = pdf_w;
+}
+
+Stage stage_of(const Scene *s) { return (Stage){ s->centre, s->radius }; }
+
+float stage_pdf_a(const Stage *s) { return 1.0f / (PI_F * s->radius * s->radius); }
+
+/* The disc stands two radii before the centre, so that nothing is behind it by rounding. */
+void emit_from_beyond(const Stage *s, V3 d, V2 u, Emission *e)
+{
+    Frame f = frame_about(d);
+    V2 q = warp_disk_concentric(u);
+
+    e->p = frame_out(&f, v3(q.x * s->radius, q.y * s->radius, -2.0f * s->radius));
+    e->p = v_add(s->centre, e->p);
+    e->err = e->n = v_all(0.0f);
+    e->d = d;
+    e->cosine = 1.0f;
+    e->pdf_a = stage_pdf_a(s);
 }

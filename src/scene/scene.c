@@ -175,7 +175,9 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
         Instance *in = &g->shapes[i].as.instance;
-        g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]);
+        g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]) &&
+                             !(g->shapes[i].light != NO_LIGHT &&
+                               s->lights[g->shapes[i].light]->textured);
         s->see_through |= s->materials[g->shapes[i].material].opacity != NULL;
         if (g->shapes[i].kind != SHAPE_INSTANCE)
             continue;

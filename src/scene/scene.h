@@ -9,6 +9,8 @@
 #include "image/image.h"
 #include "scene/medium.h"
 
+#include <string.h>
+
 typedef struct Scene Scene;
 
 /* ---- textures: a closed set, since every hit evaluates some ---- */
@@ -75,12 +77,43 @@ typedef struct {
                                  * surface, so that L f cos is what is reflected */
     float pdf_w;                /* solid angle; 1 for delta lights */
     float dist;                 /* to the light's point; INFINITY for lights at infinity */
-    V3    p, err, n;            /* the light's point, its error, its normal (0 for none) */
+    V3    p, err, n;            /* the light's point, its error, its front normal (0 for none) */
 } LightSample;
 
+/* A particle of light on its way: the first ray of a light path [Veach97 8.3.2]. Whatever the light
+ * is, L cosine / (pdf_a pdf_w) is the power that the particle stands for, in watts, and its mean
+ * over u and v is the light's power. What L and the densities are:
+ *
+ *                       L                        cosine    pdf_a            pdf_w
+ *   shapes              radiance W/(m^2 sr)      n.d       of p, 1/m^2      of d, 1/sr
+ *   at a point          intensity W/sr           1         1 (delta)        of d, 1/sr
+ *   at infinity         radiance W/(m^2 sr)      1         1/(pi R^2)       of d, 1/sr
+ *   parallel            irradiance W/m^2         1         1/(pi R^2)       1 (delta)
+ *
+ * Lights beyond the scene send their particles from a disc across d, as large as the scene's sphere
+ * (radius R), that lies before it: so pdf_a is per area perpendicular to d, not of any surface. */
+typedef struct {
+    V3    p, err;               /* whence: a point of the light or of the disc, and its error */
+    V3    n;                    /* the light's normal there, on the side of d; 0 for no surface */
+    V3    d;                    /* unit, the way the light goes */
+    Rgb   L;
+    float cosine, pdf_a, pdf_w;
+} Emission;
+
+/* The first ray, which does not meet the surface that it leaves. */
+INLINE Ray emission_ray(const Emission *e)
+{
+    return (Ray){ .o = ray_origin(e->p, e->err, e->n, e->d), .d = e->d, .tmax = INFINITY };
+}
+
+/* What a ray cannot find by chance: the light's place, or its direction. */
+typedef enum { DELTA_NONE, DELTA_PLACE, DELTA_DIRECTION } Delta;
+
+/* Of `hit`, a point of the light, its functions look at p, ng (the front) and uv; lights without a
+ * surface are given NULL. surface_at makes one of a LightSample or an Emission. */
 typedef struct {
     KindInfo info;
-    bool delta;                 /* a ray cannot hit it: point, spot, distant */
+    Delta delta;                /* not DELTA_NONE: no ray can hit it */
     bool infinite;              /* seen by rays that leave the scene */
     /* From options of the kind's table, in the scene's arena. NULL: reported. */
     Light *(*make)(const Making *m, const Opts *o);
@@ -93,6 +126,12 @@ typedef struct {
     float (*pdf_w)(const Light *l, V3 from, V3 wi, const Surface *hit);
     /* Radiance that the light sends along -wi; hit as above. 0 for delta lights. */
     Rgb (*radiance)(const Light *l, V3 wi, const Surface *hit);
+    /* Sends a particle: u decides about the place, v about the direction. False: none this time,
+     * which counts as one of power 0. */
+    bool (*emit)(const Light *l, V2 u, V2 v, Emission *e);
+    /* The densities with which `emit` sends a particle from the point `hit` the way d: the same as
+     * in Emission, so 1 for what is a delta. d is a way that the light shines. */
+    void (*emit_pdf)(const Light *l, const Surface *hit, V3 d, float *pdf_a, float *pdf_w);
     /* Total power, watts (an estimate for textured ones); for selection. */
     Rgb (*power)(const Light *l);
 } LightKind;
@@ -100,13 +139,44 @@ typedef struct {
 struct Light {                  /* first member of every concrete light */
     const LightKind *kind;
     uint32_t index;             /* in the scene's lights */
+    bool textured;              /* its radiance looks at uv of the surface */
     Place at;
 };
 extern const LightKind *const lights[];         /* ends with NULL */
 
+INLINE Surface surface_at(V3 p, V3 err, V3 front, V2 uv)
+{
+    Surface s;
+    memset(&s, 0, sizeof s);
+    s.p = p;
+    s.err = err;
+    s.ng = s.ns = front;
+    s.uv = uv;
+    return s;
+}
+
+/* ---- what lights share ---- */
+
+/* The frame of a light that has directions of its own, without its scale. False: the transform is
+ * no rotation (or mirror image), reported. what: "an infinite light's". */
+bool  frame_of_light(const Making *m, const char *what, Affine *to_world, Affine *to_light);
+/* From `from` to a light at the point p: all of *s but L. Gives the squared distance; 0: none. */
+float sample_at_point(V3 p, V3 from, LightSample *s);
+/* A particle of intensity I from the point p. */
+void  emit_from_point(V3 p, V3 d, Rgb I, float pdf_w, Emission *e);
+/* The sphere that a light beyond the scene shines on. */
+typedef struct { V3 centre; float radius; } Stage;
+Stage stage_of(const Scene *s);
+/* A particle from beyond: all of *e but L and pdf_w. */
+void  emit_from_beyond(const Stage *s, V3 d, V2 u, Emission *e);
+float stage_pdf_a(const Stage *s);              /* 1 / (pi R^2) */
+
 /* pdf_w and radiance of lights that no ray can hit: 0. */
 float delta_pdf_w(const Light *l, V3 from, V3 wi, const Surface *hit);
 Rgb   delta_radiance(const Light *l, V3 wi, const Surface *hit);
+
+/* The factor that gives a light the power (by luminance) wanted; 1 if wanted or its own is 0. */
+float power_factor(float wanted, Rgb own);
 
 /* The sky of a bare mesh: soft light from above, a broad key light on one side. NULL: reported. */
 Light *light_studio(const Making *m);

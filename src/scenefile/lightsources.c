@@ -34,12 +34,6 @@ static bool unknown_light(Place at, const char *name, bool area)
                    near ? "'?" : "");
 }
 
-/* Lights that pbrt has and we have not, and what stands in for them. */
-static const char *stand_in(const char *name)
-{
-    return !strcmp(name, "goniometric") || !strcmp(name, "projection") ? "point" : NULL;
-}
-
 static const char *file_of(const Params *ps)
 {
     for (size_t i = 0; i < ps->n; i++)
@@ -60,7 +54,7 @@ static bool add_light(Reader *r, const LightKind *kind, const Making *m, const O
     return scene_add_light(r->scene, l, index);
 }
 
-static bool make_light(Reader *r, Place at, const LightKind *kind, Params *ps, bool all_known)
+static bool make_light(Reader *r, Place at, const LightKind *kind, Params *ps)
 {
     Param list[PARAMS_MAX + DEFAULTS_MAX];
     double room[PARAMS_MAX + DEFAULTS_MAX][3];
@@ -70,8 +64,6 @@ static bool make_light(Reader *r, Place at, const LightKind *kind, Params *ps, b
 
     params_with_defaults(r, TARGET_LIGHT, ps, list, &all);
     params_fit(&all, kind->info.options, room);
-    for (size_t i = 0; i < all.n && !all_known; i++)
-        all.p[i].used = true;
     opts_default(&o, kind->info.options);
     return opts_params(&o, kind->info.name, &all) && reader_making(r, at, file_of(&all), &m) &&
            add_light(r, kind, &m, &o, NULL);
@@ -83,19 +75,15 @@ bool do_light_source(Reader *r, Place at)
     Params ps;
     char *name;
     const LightKind *kind;
-    const char *other = NULL;
 
     if (!reader_string(r, "the kind of light", &t) || !(name = reader_text(r, &t)))
         return false;
     kind = find_kind(name, false);
-    if (!kind && (other = stand_in(name)) && (kind = find_kind(other, false)) &&
-        !warn_at(t.at, "the light '%.60s' is not supported; %s is used", name, other))
-        return false;
     if (!kind && !unknown_light(t.at, name, false))
         return false;
     if (!params_read(r, SPECTRUM_LIGHT, &ps))
         return false;
-    return !kind || make_light(r, at, kind, &ps, !other);
+    return !kind || make_light(r, at, kind, &ps);
 }
 
 /* ---- area lights ---- */

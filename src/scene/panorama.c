@@ -1,0 +1,332 @@
+/* panorama.c -- pictures whose places are directions. See panorama.h. */
+#include "scene/panorama.h"
+
+#include <string.h>
+
+/* ---- latitude and longitude ---- */
+
+static float latlong_jacobian(float sine) { return 2.0f * PI_F * PI_F * sine; }
+
+static V3 latlong_direction(V2 p, float *jacobian)
+{
+    float sn, cs, st, ct;
+
+    m_sincos_turn(p.x, &sn, &cs);
+    m_sincos_turn(0.5f * p.y, &st, &ct);
+    *jacobian = latlong_jacobian(st);
+    return v3(st * cs, st * sn, ct);
+}
+
+static V2 latlong_place(V3 d, float *jacobian)
+{
+    float phi = m_atan2(d.y, d.x), sine = sqrtf(d.x * d.x + d.y * d.y);
+
+    *jacobian = latlong_jacobian(sine);
+    return (V2){ (phi < 0.0f ? phi + 2.0f * PI_F : phi) * (0.5f * INV_PI),
+                 m_atan2(sine, d.z) * INV_PI };
+}
+
+/* ---- the folded square ---- */
+
+/* Within the diamond |x| + |y| = r is the ring 1 - z = r^2, whose area is that of the diamond's
+ * rim; along it the azimuth is linear. The corners beyond are the lower half, folded outwards. */
+static V3 octahedral_direction(V2 p, float *jacobian)
+{
+    float x = 2.0f * p.x - 1.0f, y = 2.0f * p.y - 1.0f, ax = fabsf(x), ay = fabsf(y);
+    float inside = 1.0f - (ax + ay), r = 1.0f - fabsf(inside), sn, cs, sine;
+    float turn = r > 0.0f ? 0.125f * ((ay - ax) / r + 1.0f) : 0.125f;   /* 0 to 1/4 */
+
+    *jacobian = 4.0f * PI_F;
+    m_sincos_turn(turn, &sn, &cs);
+    sine = r * sqrtf(2.0f - r * r);
+    return v3(copysignf(cs * sine, x), copysignf(sn * sine, y), copysignf(1.0f - r * r, inside));
+}
+
+static V2 octahedral_place(V3 d, float *jacobian)
+{
+    float x = fabsf(d.x), y = fabsf(d.y);
+    float r = sqrtf((x * x + y * y) / (1.0f + fabsf(d.z)));     /* sqrt(1 - |z|), exactly */
+    float v = r * (m_atan2(y, x) * (2.0f * INV_PI)), u = r - v;
+
+    *jacobian = 4.0f * PI_F;
+    if (d.z < 0.0f) {
+        float fold = 1.0f - v;
+        v = 1.0f - u;
+        u = fold;
+    }
+    return (V2){ 0.5f * (copysignf(u, d.x) + 1.0f), 0.5f * (copysignf(v, d.y) + 1.0f) };
+}
+
+/* ---- balls ---- */
+
+/* sin(pi r) / r. */
+static float sine_over(float sine, float r) { return r > 0.0f ? sine / r : PI_F; }
+
+static V3 ball_direction(MappingKind kind, V2 p, float *jacobian)
+{
+    float x = 2.0f * p.x - 1.0f, y = 1.0f - 2.0f * p.y, r2 = x * x + y * y, scale, c;
+
+    if (!(r2 <= 1.0f)) {
+        *jacobian = 0.0f;
+        return v3(1, 0, 0);
+    }
+    if (kind == MAPPING_MIRRORBALL) {           /* sine and cosine of 2 asin(r), over r */
+        scale = 2.0f * sqrtf(1.0f - r2);
+        c = 1.0f - 2.0f * r2;
+        *jacobian = 16.0f;
+    } else {
+        float r = sqrtf(r2), sine;
+        m_sincos_turn(0.5f * r, &sine, &c);
+        scale = sine_over(sine, r);
+        *jacobian = 4.0f * PI_F * scale;
+    }
+    return v3(-c, scale * x, scale * y);
+}
+
+static V2 ball_place(MappingKind kind, V3 d, float *jacobian)
+{
+    float s2 = d.y * d.y + d.z * d.z, scale;
+
+    if (kind == MAPPING_MIRRORBALL) {           /* r / sine = 1 / sqrt(2 (1 + cosine)) */
+        float one = d.x > 0.0f ? s2 / (1.0f + d.x) : 1.0f - d.x;
+        scale = one > 0.0f ? 1.0f / sqrtf(2.0f * one) : 0.0f;
+        *jacobian = 16.0f;
+    } else {
+        float sine = sqrtf(s2), r = m_atan2(sine, -d.x) * INV_PI;
+        scale = 1.0f / sine_over(sine, r);
+        scale = is_finite(scale) ? scale : 0.0f;
+        *jacobian = 4.0f * PI_F * sine_over(sine, r);
+    }
+    return (V2){ 0.5f * (1.0f + scale * d.y), 0.5f * (1.0f - scale * d.z) };
+}
+
+/* ---- a window ---- */
+
+static V3 window_direction(const Mapping *m, V2 p, float *jacobian)
+{
+    V3 w = v3((2.0f * p.x - 1.0f) * m->half_x, (2.0f * p.y - 1.0f) * m->half_y, 1.0f);
+    float c = 1.0f / v_len(w);
+
+    *jacobian = 4.0f * m->half_x * m->half_y * c * c * c;
+    return v_scale(w, c);
+}
+
+static V2 window_place(const Mapping *m, V3 d, float *jacobian)
+{
+    V2 p = { -1.0f, -1.0f };
+
+    *jacobian = 0.0f;
+    if (!(d.z > 0.0f))
+        return p;
+    p.x = 0.5f * (d.x / (d.z * m->half_x) + 1.0f);
+    p.y = 0.5f * (d.y / (d.z * m->half_y) + 1.0f);
+    if (p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f)
+        *jacobian = 4.0f * m->half_x * m->half_y * d.z * d.z * d.z;
+    return p;
+}
+
+/* ---- any ---- */
+
+V3 mapping_direction(const Mapping *m, V2 place, float *jacobian)
+{
+    switch (m->kind) {
+    case MAPPING_LATLONG:    break;
+    case MAPPING_OCTAHEDRAL: return octahedral_direction(place, jacobian);
+    case MAPPING_ANGULAR:
+    case MAPPING_MIRRORBALL: return ball_direction(m->kind, place, jacobian);
+    case MAPPING_WINDOW:     return window_direction(m, place, jacobian);
+    }
+    return latlong_direction(place, jacobian);
+}
+
+V2 mapping_place(const Mapping *m, V3 d, float *jacobian)
+{
+    V2 p = { 0, 0 };
+
+    *jacobian = 0.0f;
+    switch (m->kind) {
+    case MAPPING_LATLONG:    p = latlong_place(d, jacobian); break;
+    case MAPPING_OCTAHEDRAL: p = octahedral_place(d, jacobian); break;
+    case MAPPING_ANGULAR:
+    case MAPPING_MIRRORBALL: p = ball_place(m->kind, d, jacobian); break;
+    case MAPPING_WINDOW:     p = window_place(m, d, jacobian); break;
+    }
+    return (V2){ f_min(f_max(p.x, 0.0f), ONE_MINUS_ULP), f_min(f_max(p.y, 0.0f), ONE_MINUS_ULP) };
+}
+
+/* Solid angle of the rectangle between z and (x, y, 1): of a corner of the window's plane. */
+static double corner(double x, double y)
+{
+    return md_atan2(x * y, sqrt(1.0 + x * x + y * y));
+}
+
+double mapping_solid_angle(const Mapping *m)
+{
+    return m->kind == MAPPING_WINDOW ? 4.0 * corner(m->half_x, m->half_y) : 4.0 * PI;
+}
+
+Mapping mapping_option(const Opts *o, const Image *image)
+{
+    const Param *file = opt_param(o, "filename");
+    bool old = file && !strcmp(file->name, "mapname");
+    Mapping m = { MAPPING_LATLONG, 0, 0 };
+
+    if (opt_is(o, "mapping", "octahedral") ||
+        (opt_is(o, "mapping", "auto") && !old && image->w == image->h))
+        m.kind = MAPPING_OCTAHEDRAL;
+    else if (opt_is(o, "mapping", "angular"))
+        m.kind = MAPPING_ANGULAR;
+    else if (opt_is(o, "mapping", "mirrorball"))
+        m.kind = MAPPING_MIRRORBALL;
+    return m;
+}
+
+/* ---- pictures ---- */
+
+static uint32_t width(const Panorama *p) { return p->image ? p->image->w : 1; }
+static uint32_t height(const Panorama *p) { return p->image ? p->image->h : 1; }
+
+static Rgb cell(const Panorama *p, uint32_t x, uint32_t y)
+{
+    return p->image ? *image_at(p->image, x, y) : rgb_all(1.0f);
+}
+
+/* Mean of the jacobian over a cell that the rim of a ball may cut. Of a cell of which a little is
+ * within, and no point that is looked at, a little: its density must not be 0. */
+static double ball_cell(const Panorama *p, uint32_t x, uint32_t y)
+{
+    enum { SIDE = 8 };
+    float w = (float)width(p), h = (float)height(p), jacobian;
+    float left = 2.0f * (float)x / w - 1.0f, top = 2.0f * (float)y / h - 1.0f;
+    float nx = f_max(0.0f, f_max(left, -(left + 2.0f / w)));
+    float ny = f_max(0.0f, f_max(top, -(top + 2.0f / h)));
+    float fx = f_max(fabsf(left), fabsf(left + 2.0f / w));
+    float fy = f_max(fabsf(top), fabsf(top + 2.0f / h));
+    double sum = 0.0;
+
+    if (nx * nx + ny * ny >= 1.0f)
+        return 0.0;
+    if (fx * fx + fy * fy <= 1.0f && width(p) >= 64 && height(p) >= 64) {
+        V2 middle = { ((float)x + 0.5f) / w, ((float)y + 0.5f) / h };
+        mapping_direction(&p->mapping, middle, &jacobian);
+        return jacobian;
+    }
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        V2 q = { ((float)x + ((float)(i % SIDE) + 0.5f) / SIDE) / w,
+                 ((float)y + ((float)(i / SIDE) + 0.5f) / SIDE) / h };
+        mapping_direction(&p->mapping, q, &jacobian);
+        sum += jacobian;
+    }
+    return d_max(sum, 0.01) / (SIDE * SIDE);
+}
+
+/* Solid angle of a cell, up to a factor that all have in common. */
+static double cell_measure(const Panorama *p, uint32_t x, uint32_t y)
+{
+    const Mapping *m = &p->mapping;
+    double w = width(p), h = height(p), l, r, t, b;
+
+    switch (m->kind) {
+    case MAPPING_LATLONG:    break;
+    case MAPPING_OCTAHEDRAL: return 1.0;
+    case MAPPING_ANGULAR:
+    case MAPPING_MIRRORBALL: return ball_cell(p, x, y);
+    case MAPPING_WINDOW:
+        l = (2.0 * x / w - 1.0) * m->half_x;
+        r = (2.0 * (x + 1.0) / w - 1.0) * m->half_x;
+        t = (2.0 * y / h - 1.0) * m->half_y;
+        b = (2.0 * (y + 1.0) / h - 1.0) * m->half_y;
+        return d_max(0.0, corner(r, b) - corner(l, b) - corner(r, t) + corner(l, t));
+    }
+    return md_sin(PI * (y + 0.5) / h);
+}
+
+bool panorama_init(Panorama *p, const Image *image, Mapping m)
+{
+    double sum[3] = { 0, 0, 0 }, all = 0;
+    float *weight;
+    bool ok;
+
+    p->image = image;
+    p->mapping = m;
+    weight = MEM_ARRAY(float, (size_t)width(p) * height(p));
+    if (!weight)
+        return false;
+    for (uint32_t y = 0; y < height(p); y++) {
+        double row = cell_measure(p, 0, y);
+        for (uint32_t x = 0; x < width(p); x++) {
+            double measure = m.kind == MAPPING_LATLONG ? row : cell_measure(p, x, y);
+            Rgb c = cell(p, x, y);
+            weight[(size_t)y * width(p) + x] = (float)(rgb_lum(c) * measure);
+            sum[0] += c.r * measure;
+            sum[1] += c.g * measure;
+            sum[2] += c.b * measure;
+            all += measure;
+        }
+    }
+    p->mean = rgb((float)(sum[0] / all), (float)(sum[1] / all), (float)(sum[2] / all));
+    ok = table2_init(&p->table, weight, width(p), height(p));
+    mem_free(weight);
+    return ok;
+}
+
+void panorama_clear(Panorama *p) { table2_clear(&p->table); }
+
+static Rgb lookup(const Panorama *p, V2 q)
+{
+    uint32_t x = (uint32_t)(q.x * (float)width(p)), y = (uint32_t)(q.y * (float)height(p));
+    if (x >= width(p))
+        x = width(p) - 1;
+    if (y >= height(p))
+        y = height(p) - 1;
+    return cell(p, x, y);
+}
+
+Rgb panorama_at(const Panorama *p, V3 d)
+{
+    float jacobian;
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+
+    if (p->mapping.kind == MAPPING_WINDOW && !(jacobian > 0.0f))
+        return rgb_all(0.0f);
+    return lookup(p, q);
+}
+
+float panorama_pdf_w(const Panorama *p, V3 d)
+{
+    float jacobian;
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+    return jacobian > 0.0f ? table2_pdf(&p->table, q) / jacobian : 0.0f;
+}
+
+bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+{
+    float pdf, jacobian;
+    V2 q;
+
+    if (!table2_sample(&p->table, u, &q, &pdf))
+        return false;
+    *d = mapping_direction(&p->mapping, q, &jacobian);
+    if (!(jacobian > 0.0f))
+        return false;
+    *pdf_w = pdf / jacobian;
+    *value = lookup(p, q);
+    return *pdf_w > 0.0f;
+}
+
+/* By points, at least 128 along each side: cells of small pictures hold several. */
+double panorama_upward(const Panorama *p)
+{
+    uint32_t nx = 1 + 127 / width(p), ny = 1 + 127 / height(p);
+    float w = (float)width(p) * (float)nx, h = (float)height(p) * (float)ny;
+    double sum = 0.0;
+
+    for (uint32_t y = 0; y < height(p) * ny; y++)
+        for (uint32_t x = 0; x < width(p) * nx; x++) {
+            V2 q = { ((float)x + 0.5f) / w, ((float)y + 0.5f) / h };
+            float jacobian;
+            V3 d = mapping_direction(&p->mapping, q, &jacobian);
+            sum += (double)rgb_lum(cell(p, x / nx, y / ny)) * jacobian * d_max(0.0, d.z);
+        }
+    return sum / ((double)w * h);
+}
