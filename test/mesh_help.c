@@ -4,6 +4,7 @@
 #include "base/file.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 MeshFile mesh_file_read(MeshFileKind kind, const char *name, const unsigned char *bytes, size_t n)
@@ -151,4 +152,96 @@ int messages_take(char *line, size_t room)
         n += c == '\n';
     }
     return n;
+}
+
+/* ---- closed meshes ---- */
+
+static int by_value(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+static uint64_t directed(uint32_t a, uint32_t b) { return (uint64_t)a << 32 | b; }
+
+/* Every edge in exactly two triangles, once each way; every vertex used; V - E + F as given. */
+void mesh_check_closed(const char *name, const Mesh *m, long euler)
+{
+    size_t n = 3 * (size_t)m->ntris;
+    uint64_t *edges = malloc(n * sizeof *edges), back;
+    unsigned char *used = calloc(m->nverts, 1);
+    long twice = 0, lonely = 0, unused = 0;
+
+    REQUIRE(edges && used, "memory");
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t *v = m->tri[i / 3].v;
+        edges[i] = directed(v[i % 3], v[(i + 1) % 3]);
+        used[v[i % 3]] = 1;
+    }
+    qsort(edges, n, sizeof *edges, by_value);
+    for (size_t i = 0; i < n; i++) {
+        back = edges[i] << 32 | edges[i] >> 32;
+        twice += i && edges[i] == edges[i - 1];
+        lonely += !bsearch(&back, edges, n, sizeof *edges, by_value);
+    }
+    for (uint32_t v = 0; v < m->nverts; v++)
+        unused += !used[v];
+    EXPECT(!twice && !lonely, "%s: %ld edges twice one way, %ld without partner", name, twice,
+           lonely);
+    EXPECT(!unused, "%s: %ld vertices unused", name, unused);
+    EXPECT((long)m->nverts - (long)n / 2 + (long)m->ntris == euler, "%s: Euler characteristic %ld",
+           name, (long)m->nverts - (long)n / 2 + (long)m->ntris);
+    free(edges);
+    free(used);
+}
+
+double mesh_volume(const Mesh *m)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < m->ntris; i++) {
+        V3 a = m->p[m->tri[i].v[0]], b = m->p[m->tri[i].v[1]], c = m->p[m->tri[i].v[2]];
+        sum += a.x * ((double)b.y * c.z - (double)b.z * c.y) +
+               a.y * ((double)b.z * c.x - (double)b.x * c.z) +
+               a.z * ((double)b.x * c.y - (double)b.y * c.x);
+    }
+    return sum / 6.0;
+}
+
+double mesh_area(const Mesh *m)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < m->ntris; i++) {
+        V3 a = m->p[m->tri[i].v[0]];
+        V3 n = v_cross(v_sub(m->p[m->tri[i].v[1]], a), v_sub(m->p[m->tri[i].v[2]], a));
+        sum += 0.5 * (double)v_len(n);
+    }
+    return sum;
+}
+
+static int by_place(const void *a, const void *b) { return memcmp(a, b, 3 * sizeof(float)); }
+
+/* Bit patterns are compared; adding 0 makes zeros alike. */
+void mesh_weld(Mesh *m)
+{
+    typedef struct { float p[3]; uint32_t id; } Place3;
+    Place3 *all = malloc((m->nverts + 1) * sizeof *all);
+    uint32_t *now = malloc((m->nverts + 1) * sizeof *now), n = 0;
+
+    REQUIRE(all && now, "memory");
+    for (uint32_t i = 0; i < m->nverts; i++)
+        all[i] = (Place3){ { m->p[i].x + 0.0f, m->p[i].y + 0.0f, m->p[i].z + 0.0f }, i };
+    qsort(all, m->nverts, sizeof *all, by_place);
+    for (uint32_t i = 0; i < m->nverts; i++) {
+        if (i == 0 || by_place(&all[i], &all[i - 1]))
+            n++;
+        now[all[i].id] = n - 1;
+    }
+    for (uint32_t i = 0, k = 0; i < m->nverts; i++)
+        if (i == 0 || by_place(&all[i], &all[i - 1]))
+            m->p[k++] = v3(all[i].p[0], all[i].p[1], all[i].p[2]);
+    for (size_t i = 0; i < 3 * (size_t)m->ntris; i++)
+        m->tri[i / 3].v[i % 3] = now[m->tri[i / 3].v[i % 3]];
+    m->nverts = n;
+    free(all);
+    free(now);
 }

@@ -24,6 +24,13 @@ void mesh_file_clear(MeshFileKind kind, MeshFile *f);
 const char *mesh_fault(const Mesh *m);
 const char *mesh_file_fault(MeshFileKind kind, const MeshFile *f);
 
+/* Every edge in exactly two triangles, once each way; every vertex used; V - E + F as given. */
+void mesh_check_closed(const char *name, const Mesh *m, long euler);
+double mesh_volume(const Mesh *m);
+double mesh_area(const Mesh *m);
+/* Makes one of all vertices at the same place: normals and uv are then of no use. */
+void mesh_weld(Mesh *m);
+
 Mesh mesh_of_ply(const char *path);             /* the case ends if it cannot be read */
 bool v3_is(V3 v, float x, float y, float z);
 

@@ -73,6 +73,12 @@ static const struct { const char *kind, *params; } NEEDS[] = {
     { "cylinder", "\"float radius\" 0.6 \"float phimax\" 270" },
     { "sphere", "\"float radius\" 0.8 \"float zmax\" 0.5 \"float phimax\" 300" },
     { "disk", "\"float height\" 0.4 \"float innerradius\" 0.2" },
+    { "curve", "\"point3 P\" [ -1 0 0  -1 0 2  0 -1 0  1 0 1 ] "
+               "\"float width0\" 0.5 \"float width1\" 0" },
+    { "torus", "\"float radius\" 0.7 \"float minorradius\" 0.3" },
+    { "box", "\"point3 from\" [ -0.6 -0.5 -0.4 ] \"point3 to\" [ 0.6 0.5 0.7 ]" },
+    { "lathe", "\"point2 P\" [ 0 0  0.5 0  0.5 0  0.2 0.7  0.6 1.1 ]" },
+    { "generated", "\"string kind\" \"hare\" \"integer triangles\" 2000" },
     { "conductor", "\"float roughness\" 0.1" }, { "coateddiffuse", "\"float roughness\" 0.05" },
 };
 

@@ -3,70 +3,7 @@
 
 #include "geometry/generate.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-static int by_value(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-static uint64_t directed(uint32_t a, uint32_t b) { return (uint64_t)a << 32 | b; }
-
-/* Every edge in exactly two triangles, once each way; every vertex used; V - E + F as given. */
-static void check_closed(const char *name, const Mesh *m, long euler)
-{
-    size_t n = 3 * (size_t)m->ntris;
-    uint64_t *edges = malloc(n * sizeof *edges), back;
-    unsigned char *used = calloc(m->nverts, 1);
-    long twice = 0, lonely = 0, unused = 0;
-
-    REQUIRE(edges && used, "memory");
-    for (size_t i = 0; i < n; i++) {
-        const uint32_t *v = m->tri[i / 3].v;
-        edges[i] = directed(v[i % 3], v[(i + 1) % 3]);
-        used[v[i % 3]] = 1;
-    }
-    qsort(edges, n, sizeof *edges, by_value);
-    for (size_t i = 0; i < n; i++) {
-        back = edges[i] << 32 | edges[i] >> 32;
-        twice += i && edges[i] == edges[i - 1];
-        lonely += !bsearch(&back, edges, n, sizeof *edges, by_value);
-    }
-    for (uint32_t v = 0; v < m->nverts; v++)
-        unused += !used[v];
-    EXPECT(!twice && !lonely, "%s: %ld edges twice one way, %ld without partner", name, twice,
-           lonely);
-    EXPECT(!unused, "%s: %ld vertices unused", name, unused);
-    EXPECT((long)m->nverts - (long)n / 2 + (long)m->ntris == euler, "%s: Euler characteristic",
-           name);
-    free(edges);
-    free(used);
-}
-
-static double volume(const Mesh *m)
-{
-    double sum = 0.0;
-    for (uint32_t i = 0; i < m->ntris; i++) {
-        V3 a = m->p[m->tri[i].v[0]], b = m->p[m->tri[i].v[1]], c = m->p[m->tri[i].v[2]];
-        sum += a.x * ((double)b.y * c.z - (double)b.z * c.y) +
-               a.y * ((double)b.z * c.x - (double)b.x * c.z) +
-               a.z * ((double)b.x * c.y - (double)b.y * c.x);
-    }
-    return sum / 6.0;
-}
-
-static double area(const Mesh *m)
-{
-    double sum = 0.0;
-    for (uint32_t i = 0; i < m->ntris; i++) {
-        V3 a = m->p[m->tri[i].v[0]];
-        V3 n = v_cross(v_sub(m->p[m->tri[i].v[1]], a), v_sub(m->p[m->tri[i].v[2]], a));
-        sum += 0.5 * (double)v_len(n);
-    }
-    return sum;
-}
 
 static void check(const char *name, bool ok, Mesh *m, uint32_t nverts, uint32_t ntris)
 {
@@ -82,13 +19,14 @@ static void boxes(void)
     Mesh m;
 
     check("cube", mesh_cube(&m), &m, 8, 12);
-    check_closed("cube", &m, 2);
-    EXPECT(volume(&m) == 1.0 && area(&m) == 6.0, "cube: volume %g, area %g", volume(&m), area(&m));
+    mesh_check_closed("cube", &m, 2);
+    EXPECT(mesh_volume(&m) == 1.0 && mesh_area(&m) == 6.0, "cube: volume %g, area %g",
+           mesh_volume(&m), mesh_area(&m));
     mesh_clear(&m);
     check("room", mesh_room(&m), &m, 12, 20);
-    check_closed("room", &m, 2);
-    EXPECT(volume(&m) == 3.0 && area(&m) == 14.0, "room: volume %g, area %g", volume(&m),
-           area(&m));
+    mesh_check_closed("room", &m, 2);
+    EXPECT(mesh_volume(&m) == 3.0 && mesh_area(&m) == 14.0, "room: volume %g, area %g",
+           mesh_volume(&m), mesh_area(&m));
     mesh_clear(&m);
     EXPECT(mem_blocks() == 0, "%ld blocks left", mem_blocks());
 }
@@ -98,7 +36,7 @@ static void boxes(void)
  * its volume lies between those of the two balls. */
 static void check_ball(const char *name, const Mesh *m, double edge)
 {
-    double full = 4.0 / 3.0 * PI, r = sqrt(1.0 - edge * edge / 3.0), v = volume(m);
+    double full = 4.0 / 3.0 * PI, r = sqrt(1.0 - edge * edge / 3.0), v = mesh_volume(m);
 
     for (uint32_t i = 0; i < m->nverts; i++)
         EXPECT(fabsf(v_len(m->p[i]) - 1.0f) < ROUNDINGS(8), "%s: vertex %lu off the sphere", name,
@@ -115,7 +53,7 @@ static void spheres(void)
     for (size_t k = 0; k < sizeof n / sizeof *n; k++) {
         double edge = 0.0;
         check("icosphere", mesh_icosphere(&m, n[k]), &m, 10 * n[k] * n[k] + 2, 20 * n[k] * n[k]);
-        check_closed("icosphere", &m, 2);
+        mesh_check_closed("icosphere", &m, 2);
         for (uint32_t i = 0; i < m.ntris; i++)
             for (int e = 0; e < 3; e++) {
                 double l = (double)v_len(v_sub(m.p[m.tri[i].v[e]], m.p[m.tri[i].v[(e + 1) % 3]]));
@@ -131,12 +69,12 @@ static void spheres(void)
         for (uint32_t nv = 2; nv < 7; nv++) {
             check("uvsphere", mesh_uvsphere(&m, nu, nv), &m, nu * (nv - 1) + 2,
                   2 * nu * (nv - 1));
-            check_closed("uvsphere", &m, 2);
-            EXPECT(volume(&m) > 0.0 && volume(&m) < 4.0 / 3.0 * PI, "uvsphere: volume");
+            mesh_check_closed("uvsphere", &m, 2);
+            EXPECT(mesh_volume(&m) > 0.0 && mesh_volume(&m) < 4.0 / 3.0 * PI, "uvsphere: volume");
             mesh_clear(&m);
         }
     check("uvsphere", mesh_uvsphere(&m, 64, 32), &m, 64 * 31 + 2, 2 * 64 * 31);
-    check_closed("uvsphere", &m, 2);
+    mesh_check_closed("uvsphere", &m, 2);
     check_ball("uvsphere", &m, 2.0 * PI / 64 * sqrt(2.0));     /* diagonal of the largest cell */
     mesh_clear(&m);
     EXPECT(mem_blocks() == 0, "%ld blocks left", mem_blocks());
@@ -152,13 +90,13 @@ static void toruses(void)
     for (uint32_t nu = 3; nu < 7; nu++)
         for (uint32_t nv = 3; nv < 7; nv++) {
             check("torus", mesh_torus(&m, nu, nv, 2.0f, 0.5f), &m, nu * nv, 2 * nu * nv);
-            check_closed("torus", &m, 0);
-            EXPECT(volume(&m) > 0.0, "torus: volume");
+            mesh_check_closed("torus", &m, 0);
+            EXPECT(mesh_volume(&m) > 0.0, "torus: volume");
             mesh_clear(&m);
         }
     check("torus", mesh_torus(&m, 200, 100, 2.0f, 0.5f), &m, 20000, 40000);
-    check_closed("torus", &m, 0);
-    v = volume(&m);
+    mesh_check_closed("torus", &m, 0);
+    v = mesh_volume(&m);
     EXPECT(v < full && v > full * (1.0 - 4.0 * PI * PI / 6.0 * (1.0 / (200 * 200) +
                                                                1.0 / (100 * 100))),
            "torus: volume %g", v);
@@ -172,9 +110,9 @@ static void random_bodies(void)
 
     for (uint64_t seed = 0; seed < 20; seed++) {
         check("blob", mesh_blob(&m, seed), &m, 102, 200);
-        check_closed("blob", &m, 2);
+        mesh_check_closed("blob", &m, 2);
         /* A surface over the sphere keeps the orientation of each cone over a triangle. */
-        EXPECT(volume(&m) > 0.0, "blob: volume %g", volume(&m));
+        EXPECT(mesh_volume(&m) > 0.0, "blob: volume %g", mesh_volume(&m));
         lo = 9.0f;
         hi = 0.0f;
         for (uint32_t i = 0; i < m.nverts; i++) {
@@ -189,15 +127,15 @@ static void random_bodies(void)
         mesh_clear(&m);
     }
     check("bumpy", mesh_bumpy(&m, 20, 3), &m, 4002, 8000);
-    check_closed("bumpy", &m, 2);
-    EXPECT(volume(&m) > 4.0 / 3.0 * PI * 0.3, "bumpy: volume %g", volume(&m));
+    mesh_check_closed("bumpy", &m, 2);
+    EXPECT(mesh_volume(&m) > 4.0 / 3.0 * PI * 0.3, "bumpy: volume %g", mesh_volume(&m));
     REQUIRE(mesh_bumpy(&again, 20, 4), "bumpy");
     EXPECT(memcmp(m.p, again.p, m.nverts * sizeof *m.p), "bumpy: the seed has no effect");
     mesh_clear(&again);
     mesh_clear(&m);
     for (uint32_t n = 80; n < 700; n += 2) {
         check("bumpy of", mesh_bumpy_of(&m, n, n), &m, n / 2 + 2, n);
-        check_closed("bumpy of", &m, 2);
+        mesh_check_closed("bumpy of", &m, 2);
         mesh_clear(&m);
     }
     REQUIRE(mesh_bumpy_of(&m, 1000, 1) && mesh_bumpy_of(&again, 999, 1), "bumpy of");
@@ -226,7 +164,7 @@ static void grids(void)
                (unsigned long)i);
     }
     /* Coordinates are rounded once, so differences of 1/7 and 1/3 are off by 7 and 3 roundings. */
-    EXPECT(fabs(area(&m) - 1.0) < (double)ROUNDINGS(16), "grid: area %g", area(&m));
+    EXPECT(fabs(mesh_area(&m) - 1.0) < (double)ROUNDINGS(16), "grid: area %g", mesh_area(&m));
     EXPECT(m.uv && m.uv[31].x == 1.0f && m.uv[31].y == 1.0f && m.uv[0].x == 0.0f, "grid: uv");
     mesh_clear(&m);
 }

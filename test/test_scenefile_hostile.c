@@ -48,7 +48,7 @@ static const char *const seeds[] = {
     "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]\n"
     "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 0 0 1]\n"
     "Shape \"geometryimage\" \"integer side\" 9\n"
-    "Shape \"cylinder\" \"float phimax\" 9 Shape \"curve\" \"xyz a\" [1 1 1]\n"
+    "Shape \"cylinder\" \"float phimax\" 9 Shape \"nurbs\" \"xyz a\" [1 1 1]\n"
     "Material \"conductor\" \"bool remaproughness\" \"false\" Material \"\" WorldEnd"
 };
 enum { SEEDS = sizeof seeds / sizeof *seeds };

@@ -78,6 +78,8 @@ static double equation(const Quadric *q, V3 p, V3 *g)
     case QUADRIC_DISK:
         *g = v3(0, 0, 1);
         return p.z - q->height;
+    case QUADRIC_TORUS:                             /* test_figures.c */
+        break;
     case QUADRIC_CYLINDER:
         *g = v3(p.x, p.y, 0);
         return r2 - q->radius * q->radius;

@@ -55,6 +55,28 @@ bool mesh_cube(Mesh *m)
     return true;
 }
 
+/* u and v run along the side so that u x v points out. */
+bool mesh_box(Mesh *m, V3 a, V3 b)
+{
+    static const unsigned char side[6][4] = { { 0, 2, 1, 3 }, { 4, 5, 6, 7 }, { 0, 1, 4, 5 },
+                                              { 3, 2, 7, 6 }, { 2, 0, 6, 4 }, { 1, 3, 5, 7 } };
+    if (!begin(m, 24, 12))
+        return false;
+    m->uv = MEM_ARRAY(V2, 24);
+    if (!m->uv) {
+        mesh_clear(m);
+        return false;
+    }
+    for (uint32_t k = 0; k < 24; k++) {
+        unsigned c = side[k / 4][k % 4];
+        m->p[k] = v3(c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z);
+        m->uv[k] = (V2){ (float)(k & 1), (float)(k >> 1 & 1) };
+        if (k % 4 == 3)
+            add_quad(m, k - 3, k - 2, k, k - 1);
+    }
+    return true;
+}
+
 bool mesh_room(Mesh *m)
 {
     enum { N = 6, INNER = 3 };                  /* the corner that sees all others */

@@ -4,8 +4,8 @@
  * Each fills *m, which must be empty. False: reported (an argument out of range, too many
  * triangles, out of memory), *m empty.
  *
- * The closed ones (all but soup and grid) are watertight in their indices: every edge belongs to
- * exactly two triangles that run through it in opposite directions, and triangles are
+ * The closed ones (all but box, soup and grid) are watertight in their indices: every edge belongs
+ * to exactly two triangles that run through it in opposite directions, and triangles are
  * counter-clockwise from outside. */
 #ifndef GEOMETRY_GENERATE_H
 #define GEOMETRY_GENERATE_H
@@ -14,6 +14,10 @@
 
 /* Side 1 about the origin: 8 vertices, 12 triangles. */
 bool mesh_cube(Mesh *m);
+
+/* The box between a and b, a below b: 24 vertices, four for each side, with uv from 0 to 1 on each.
+ * Edges are closed in space, not in indices. */
+bool mesh_box(Mesh *m, V3 a, V3 b);
 
 /* Unit sphere about the origin from an icosahedron whose edges are cut into n parts:
  * 10 n^2 + 2 vertices, 20 n^2 triangles. n from 1 to 10000. */

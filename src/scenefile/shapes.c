@@ -1,6 +1,6 @@
 /* shapes.c -- the Shape directive: triangle meshes written out or in files, spheres and discs, and
- * the table of all shapes. Curved shapes that become triangles are in tessellated.c, those that
- * stay grids of points in tessellations.c.
+ * the table of all shapes. Curved shapes that become triangles are in tessellated.c, those for
+ * modelling by hand in modelled.c, those that stay grids of points in tessellations.c.
  *
  * Space       Points go to world space here (inside ObjectBegin: to the object's). A sphere or disc
  *             that the transform does not keep one becomes triangles.
@@ -400,16 +400,14 @@ static const ShapeReader geometryimage = {
       image_options },
     shape_read_image
 };
-static const ShapeReader curve = {
-    { "curve", "PBRT4 6.7", "not supported: left out with a warning", none }, NULL
-};
 static const ShapeReader nurbs = {
     { "nurbs", "PBRT3 3.8", "not supported: left out with a warning", none }, NULL
 };
 
 const ShapeReader *const shape_readers[] = {
     &trianglemesh, &plymesh, &obj, &loopsubdiv, &sphere, &disk, &cylinder, &cone, &paraboloid,
-    &hyperboloid, &bilinearmesh, &heightfield, &geometryimage, &curve, &nurbs, NULL
+    &hyperboloid, &bilinearmesh, &heightfield, &geometryimage, &shape_curve, &shape_torus,
+    &shape_box, &shape_lathe, &shape_generated, &nurbs, NULL
 };
 
 /* ---- the directive ---- */

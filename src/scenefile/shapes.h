@@ -2,6 +2,7 @@
 #ifndef SCENEFILE_SHAPES_H
 #define SCENEFILE_SHAPES_H
 
+#include "geometry/quadric_mesh.h"
 #include "scenefile/reader.h"
 
 struct ShapeReader {
@@ -23,8 +24,13 @@ bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
 bool shape_traits(Reader *r, ShapeTraits *traits);
 bool shape_not_finite(Place at, const char *what, size_t i);    /* false: reported, always */
 
+/* ---- modelled.c ---- */
+
+extern const ShapeReader shape_curve, shape_torus, shape_box, shape_lathe, shape_generated;
+
 /* ---- tessellated.c ---- */
 
+bool shape_add_quadric(Reader *r, Place at, const Quadric *q);
 bool shape_distorted_sphere(Reader *r, Place at, const Opts *o, float zmin, float zmax);
 bool shape_distorted_disk(Reader *r, Place at, const Opts *o);
 bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o);

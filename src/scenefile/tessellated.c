@@ -4,7 +4,6 @@
 #include "scenefile/shapes.h"
 
 #include "geometry/loop.h"
-#include "geometry/quadric_mesh.h"
 
 #include <string.h>
 
@@ -19,13 +18,13 @@ static const char *fault(const Quadric *q)
         return q->zmin != q->zmax ? NULL : "expected zmin unlike zmax";
     case QUADRIC_CONE:
         return q->height != 0 ? NULL : "expected a height that is not 0";
-    case QUADRIC_SPHERE: case QUADRIC_DISK: case QUADRIC_HYPERBOLOID:
+    case QUADRIC_SPHERE: case QUADRIC_DISK: case QUADRIC_HYPERBOLOID: case QUADRIC_TORUS:
         break;
     }
     return NULL;
 }
 
-static bool add_quadric(Reader *r, Place at, const Quadric *q)
+bool shape_add_quadric(Reader *r, Place at, const Quadric *q)
 {
     const char *why = fault(q);
     Mesh m;
@@ -54,7 +53,7 @@ bool shape_distorted_sphere(Reader *r, Place at, const Opts *o, float zmin, floa
     q.radius = opt_float(o, "radius");
     q.zmin = zmin;
     q.zmax = zmax;
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 bool shape_distorted_disk(Reader *r, Place at, const Opts *o)
@@ -63,7 +62,7 @@ bool shape_distorted_disk(Reader *r, Place at, const Opts *o)
     q.radius = opt_float(o, "radius");
     q.inner = opt_float(o, "innerradius");
     q.height = opt_float(o, "height");
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o)
@@ -73,7 +72,7 @@ bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o)
     q.radius = opt_float(o, "radius");
     q.zmin = f_min(opt_float(o, "zmin"), opt_float(o, "zmax"));
     q.zmax = f_max(opt_float(o, "zmin"), opt_float(o, "zmax"));
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o)
@@ -82,7 +81,7 @@ bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o)
     (void)ps;
     q.radius = opt_float(o, "radius");
     q.height = opt_float(o, "height");
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
@@ -92,7 +91,7 @@ bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
     q.radius = opt_float(o, "radius");
     q.zmin = opt_float(o, "zmin");
     q.zmax = opt_float(o, "zmax");
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o)
@@ -101,7 +100,7 @@ bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o
     (void)ps;
     q.p1 = opt_point(o, "p1");
     q.p2 = opt_point(o, "p2");
-    return add_quadric(r, at, &q);
+    return shape_add_quadric(r, at, &q);
 }
 
 /* ---- Loop subdivision ---- */
