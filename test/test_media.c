@@ -331,6 +331,30 @@ static void masks_shadow(void)
     lab_clear(&l);
 }
 
+/* A lamp with holes, met by chance or asked for. */
+static void masks_lamp(void)
+{
+    static const char *const ways[] = { "maxdepth=1,strategy=implicit",
+                                        "maxdepth=1,strategy=explicit" };
+    Gauge g = { jittered, NULL, 250000, 3, 0 };
+    Meter m[2];
+
+    for (int i = 0; i < 2; i++) {
+        Lab l;
+        lab_init(&l);
+        lab_quad(&l, v3(-2, -2, 0), v3(4, 0, 0), v3(0, 4, 0),
+                 lab_material(&l, "diffuse", "reflectance=1"));
+        lab_shine(&l, lab_sphere(&l, v3(1.0f, 0, -1.5f), 0.6f,
+                                 masked(&l, "diffuse", "reflectance=0", constant(&l, 0.4f)), false),
+                  "L=3,twosided=true");
+        lab_build(&l);
+        lab_open(&l, ways[i]);
+        lab_measure(&l, &g, &m[i]);
+        lab_clear(&l);
+    }
+    stat_expect_same(meter_radiance(&m[0]), meter_radiance(&m[1]), 0.1, "a lamp with holes");
+}
+
 const TestCase test_media[] = {
     { "absorbs", absorbs, false },
     { "absorbs_light", absorbs_light, false },
@@ -341,5 +365,6 @@ const TestCase test_media[] = {
     { "explicit_in_fog", explicit_in_fog, false },
     { "masks", masks, false },
     { "masks_shadow", masks_shadow, false },
+    { "masks_lamp", masks_lamp, false },
     { NULL, NULL, false }
 };

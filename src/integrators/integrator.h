@@ -28,6 +28,7 @@ typedef struct {
     const Scene *scene;         /* borrowed */
     Sampler  sampler;
     uint64_t rays;              /* cast so far, for progress */
+    float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
 } Tracer;
 

@@ -38,6 +38,7 @@ typedef struct {
     float eta2;                 /* product of squared index ratios: the scale of radiance */
     int  depth;                 /* scattering events so far */
     uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
+    float    way;               /* from the eye, by delta events only; below 0: there were others */
 } Eye;
 
 /* Weight of a way with density a against one with density b. [Veach97 9.2.2, 9.2.4] */
@@ -119,16 +120,24 @@ static Event fly(Eye *e, Surface *s, V3 *p, Tracer *t)
     return ESCAPES;
 }
 
+/* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
+ * all paths see textures sharp: what they find there must not depend on how they came. */
 static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
 {
+    Event event = ARRIVES;
     Hit h;
 
     if (UNLIKELY(t->scene->nmedia))
-        return fly(e, s, p, t);
-    if (!tracer_nearest(t, &e->ray, &h))
-        return ESCAPES;
-    accel_surface(t->scene->accel, &e->ray, &h, s);
-    return ARRIVES;
+        event = fly(e, s, p, t);
+    else if (tracer_nearest(t, &e->ray, &h))
+        accel_surface(t->scene->accel, &e->ray, &h, s);
+    else
+        event = ESCAPES;
+    if (event == ARRIVES && e->way >= 0.0f) {
+        e->way += v_len(v_sub(s->p, e->p));
+        s->width = e->way * t->spread;
+    }
+    return event;
 }
 
 /* ---- explicit paths ---- */
@@ -253,6 +262,8 @@ static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame
     e->p = s->p;
     e->n = s->ns;
     e->pdf_w = bs.pdf_w;
+    if (bs.flags & BSDF_SMOOTH)
+        e->way = -1.0f;
     e->medium = medium_beyond(s, wi, e->medium);
     return true;
 }
@@ -266,6 +277,7 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
     e->pdf_w = phase_pdf_w(g, e->ray.d, wi);
     e->ray.o = e->p = p;
     e->n = v_all(0.0f);
+    e->way = -1.0f;
     e->ray.d = wi;
     e->ray.tmax = INFINITY;
     return survives(it, e, t);
@@ -284,7 +296,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
     const Scene *scene = base->scene;
-    Eye e = { *r, { 1, 1, 1 }, { 0, 0, 0 }, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around };
+    Eye e = { *r, { 1, 1, 1 }, r->o, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around, 0.0f };
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {

@@ -153,9 +153,19 @@ static void run_passes(Job *j)
 
 /* ---- setting up ---- */
 
+/* Angle between the rays through the middle of the picture and one pixel beside it. Between
+ * parallel rays of an orthographic camera it is 0. */
+static float spread_of(const RenderSettings *s, const Camera *c)
+{
+    V2 at = { 0.5f * (float)s->w, 0.5f * (float)s->h }, beside = { at.x + 1.0f, at.y };
+    V2 middle = { 0.5f, 0.5f };
+    return v_len(v_sub(c->kind->ray(c, beside, middle).d, c->kind->ray(c, at, middle).d));
+}
+
 static bool job_init(Job *j, uint32_t *spp)
 {
     const RenderSettings *s = j->settings;
+    float spread = spread_of(s, j->scene->camera);
     int n = s->threads;
 
     j->tracers = MEM_ARRAY(Tracer, n);
@@ -169,6 +179,7 @@ static bool job_init(Job *j, uint32_t *spp)
     }
     for (int i = 0; i < n; i++) {
         j->tracers[i].scene = j->scene;
+        j->tracers[i].spread = spread;
         j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
         if (!sampler_init(&j->tracers[i].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
             return false;

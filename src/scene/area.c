@@ -7,6 +7,8 @@
  * Sampling    Meshes and tessellations: a triangle by area, then a uniform point. Discs: uniform
  *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
  *             area.
+ * Masks       Of a shape that lets a part of the rays pass, points shine by what is left of it
+ *             there, as the rays do that meet it. Its far side shows through: no cones then.
  * Emission    A point uniform by area, a direction in proportion to cos^(exponent + 1).
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
 #include "sampling/table.h"
@@ -19,6 +21,7 @@ typedef struct {
     bool  two_sided;
     float exponent;
     Texture picture;            /* if base.textured */
+    const Texture *mask;        /* borrowed; opacity of the shape's material, or NULL */
     const Scene *scene;         /* borrowed */
     uint32_t geometry, shape;
     float area;
@@ -107,7 +110,7 @@ static bool prepare(Light *base, const Scene *scene)
     Area *l = (Area *)base;
     const Shape *s = shape_of(l);
 
-    (void)scene;
+    l->mask = scene->materials[s->material].opacity;
     switch (s->kind) {
     case SHAPE_MESH:
     case SHAPE_TESSELLATION:
@@ -148,6 +151,8 @@ static void point_of(Surface *sf, AreaPoint *s)
     s->uv = sf->uv;
 }
 
+static bool looks_at_uv(const Area *l) { return l->base.textured || l->mask; }
+
 static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
 {
     const Geometry *g = geometry_of(l);
@@ -158,7 +163,7 @@ static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    if (shape->n || l->base.textured) {         /* the file's normals say which side shines */
+    if (shape->n || looks_at_uv(l)) {         /* the file's normals say which side shines */
         Ray none = { .d = { 0, 0, 1 } };
         Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
         Surface sf;
@@ -178,7 +183,7 @@ static V2 uv_at(const Area *l, V3 p)
     Hit h = { 0, 0, 0, NO_PRIM, shape_of(l)->first };
     Surface sf;
 
-    if (!l->base.textured)
+    if (!looks_at_uv(l))
         return (V2){ 0, 0 };
     geometry_surface(geometry_of(l), &none, &h, &sf);
     return sf.uv;
@@ -250,18 +255,29 @@ static Rgb emitted(const Area *l, V2 uv, float c)
     return L;
 }
 
+/* The part of the shape that is there. */
+static Rgb masked(const Area *l, const AreaPoint *s, Rgb L)
+{
+    Surface at;
+
+    if (LIKELY(!l->mask))
+        return L;
+    at = surface_at(s->p, s->err, s->n, s->uv);
+    return rgb_scale(L, clamp01(rgb_lum(texture_eval(l->mask, &at))));
+}
+
 /* ---- the cone of a sphere ---- */
 
 /* Height 1 - cos of the cone that the sphere fills from a point outside; 0 if inside or on it. A
  * point on the sphere is off by sphere_surface's error of each coordinate, six roundings of radius
  * and centre: sixteen cover its length and the roundings here. */
-static float cone_height(const Sphere *sp, V3 from, V3 *to_centre, float *dist2)
+static float cone_height(const Area *l, const Sphere *sp, V3 from, V3 *to_centre, float *dist2)
 {
     float r = sp->radius, reach = r + (r + v_max3(v_abs(sp->centre))) * ROUNDINGS(16);
 
     *to_centre = v_sub(sp->centre, from);
     *dist2 = v_len2(*to_centre);
-    if (!sp->whole || !(*dist2 > reach * reach))
+    if (!sp->whole || l->mask || !(*dist2 > reach * reach))
         return 0.0f;
     return warp_cone_height(r * r / *dist2);
 }
@@ -303,7 +319,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     V3 d;
 
     if (shape->kind == SHAPE_SPHERE) {
-        float h = cone_height(&shape->as.sphere, from, &d, &d2);
+        float h = cone_height(l, &shape->as.sphere, from, &d, &d2);
         if (h > 0.0f) {
             Frame axis = frame_about(v_unit(d));
             s->wi = frame_out(&axis, warp_cone(u, h));
@@ -326,7 +342,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     cosine = v_absdot(s->n, s->wi);
     if (!front(l, s) || !(cosine > 0.0f))
         return false;
-    s->L = emitted(l, at.uv, cosine);
+    s->L = masked(l, &at, emitted(l, at.uv, cosine));
     s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
     return is_finite(s->pdf_w);
 }
@@ -339,7 +355,7 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
     V3 d;
 
     if (shape->kind == SHAPE_SPHERE) {
-        float h = cone_height(&shape->as.sphere, from, &d, &d2);
+        float h = cone_height(l, &shape->as.sphere, from, &d, &d2);
         if (h > 0.0f)
             return warp_cone_pdf(h);
     }
@@ -400,7 +416,7 @@ static bool emit(const Light *base, V2 u, V2 v, Emission *e)
     e->cosine = v_dot(e->n, e->d);
     if (!(e->cosine > 0.0f))
         return false;
-    e->L = emitted(l, at.uv, e->cosine);
+    e->L = masked(l, &at, emitted(l, at.uv, e->cosine));
     e->pdf_a = 1.0f / l->area;
     e->pdf_w = direction_pdf(l, e->cosine);
     return e->pdf_w > 0.0f;

@@ -2,7 +2,7 @@
  * See scene.h.
  *
  * A surface of opacity a stops a part a of the rays that meet it. Which ones, a number decides that
- * is made of the ray's own bits and the primitive's number: so the same ray is stopped or not
+ * is made of the ray's own bits and of what it met: so the same ray is stopped or not
  * whoever asks, and neither accelerator nor thread matters. A pattern behind such a surface is
  * still sampled right, since rays differ. Of several surfaces at one place, one is asked. */
 #include "base/random.h"
@@ -21,14 +21,15 @@ static uint64_t bits_of(float a, float b)
     return (uint64_t)w[0] << 32 | w[1];
 }
 
-static float number_of(const Ray *r, const Hit *h)
+/* n: surfaces passed before; a sphere is met twice. */
+static float number_of(const Ray *r, const Hit *h, int n)
 {
     uint64_t key = key_with(bits_of(r->o.x, r->o.y), bits_of(r->o.z, r->d.x));
-    key = key_with(key, bits_of(r->d.y, r->d.z));
+    key = key_with(key_with(key, bits_of(r->d.y, r->d.z)), (uint64_t)n);
     return unit_of((uint32_t)(key_with(key, (uint64_t)h->outer << 32 | h->prim) >> 32));
 }
 
-static bool stops(const Scene *s, const Ray *r, const Hit *h, const Surface *at)
+static bool stops(const Scene *s, const Ray *r, const Hit *h, int n, const Surface *at)
 {
     const Texture *opacity = s->materials[at->shape->material].opacity;
     float a;
@@ -36,7 +37,7 @@ static bool stops(const Scene *s, const Ray *r, const Hit *h, const Surface *at)
     if (!opacity)
         return true;
     a = rgb_lum(texture_eval(opacity, at));
-    return a >= 1.0f || (a > 0.0f && number_of(r, h) < a);
+    return a >= 1.0f || (a > 0.0f && number_of(r, h, n) < a);
 }
 
 Met scene_meets(const Scene *s, const Ray *r, bool borders, Hit *h, Surface *at)
@@ -47,7 +48,7 @@ Met scene_meets(const Scene *s, const Ray *r, bool borders, Hit *h, Surface *at)
     for (int n = 0; part.tmax > 0.0f && accel_nearest(s->accel, &part, h); n++) {
         bool stopped;
         accel_surface(s->accel, &part, h, at);
-        stopped = n == PASSED_MOST || stops(s, r, h, at);
+        stopped = n == PASSED_MOST || stops(s, r, h, n, at);
         if (stopped || (borders && at->shape->separates)) {
             h->t += passed;
             return stopped ? MET_SURFACE : MET_BORDER;
