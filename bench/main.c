@@ -38,5 +38,5 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)
         if (strstr(benches[i].name, text))
             benches[i].run();
-    return 0;
+    return err_status();
 }
