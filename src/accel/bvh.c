@@ -104,7 +104,7 @@ static size_t choose_split(const Build *b, const Task *t, const Extent *e)
     if (t->count == 1)
         return 0;
     if (b->split == SAH && t->depth < REFS_DEPTH_SAH)
-        return refs_split_sah(refs, t->count, e, b->leaf, 1, half);
+        return refs_split_sah(refs, t->count, e, b->leaf, 0, half);
     if (t->count <= b->leaf)
         return 0;
     if (b->split == MEDIAN || t->depth >= REFS_DEPTH_SAH)

@@ -142,7 +142,35 @@ size_t refs_split_middle(Ref *refs, size_t n, Box centres)
 
 /* ---- the surface area heuristic ---- */
 
-typedef struct { Bounds bounds; uint32_t n; } Bin;
+/* A box in one vector, lo and -hi in its first six lanes: to join two is one minimum. */
+INLINE F8 ref_box(const Ref *r)
+{
+    F8 upper = f8_join(f4(0.0f, 0.0f, 0.0f, -0.0f), f4(-0.0f, -0.0f, 0.0f, 0.0f));
+    return f8_flip(f8_load(&r->box.lo.x), upper);       /* what follows is read, too */
+}
+
+INLINE F8 box8_none(void) { return f8_all(INFINITY); }
+
+INLINE Box box8_box(F8 b)
+{
+    float v[8];
+    f8_store(v, b);
+    return (Box){ v3(v[0], v[1], v[2]), v3(-v[3], -v[4], -v[5]) };
+}
+
+/* box_area() of it: both factors of each product have their signs turned. */
+INLINE float box8_area(F8 b)
+{
+    float v[8], x, y, z;
+    f8_store(v, b);
+    x = v[0] + v[3];
+    y = v[1] + v[4];
+    z = v[2] + v[5];
+    return 2.0f * (x * y + y * z + z * x);
+}
+
+/* By bin: the boxes of what is in it, and how many they are. */
+typedef struct { F8 box[BINS]; uint32_t n[BINS]; } Row;
 
 /* From a place along an axis to one of `count` bins. */
 typedef struct { F4 lo, scale, last; int count; } Bins;
@@ -168,90 +196,95 @@ INLINE F4 bins_at(const Bins *b, F4 centre)
     return f4_min(f4_max(at, f4_all(0.0f)), b->last);
 }
 
-/* Cost of n primitives that are tested `block` at a time. */
-static float groups(uint32_t n, size_t block) { return (float)((n + block - 1) / block); }
+/* Cost of n primitives that are tested 2^shift at a time: no division, there are many to be told. */
+INLINE float groups(uint32_t n, int shift)
+{
+    return (float)(((uint64_t)n + ((uint32_t)1 << shift) - 1) >> shift);
+}
 
 /* A cut along an axis: what comes before bin `cut` is on the left. */
 typedef struct { float cost; int axis, cut; Box left, right; } Cut;
 
 /* The cheapest cut between bins of an axis, if it is cheaper than *best. */
-static void best_cut(const Bin *bins, int count, size_t block, int axis, Cut *best)
+static void best_cut(const Row *row, int count, int shift, int axis, Cut *best)
 {
-    Bounds right[BINS], left = bounds_none();
+    F8 right[BINS], left = box8_none();
     float cost[BINS];
     uint32_t n = 0;
 
-    right[count - 1] = left;
     for (int i = count - 1; i > 0; i--) {
-        right[i] = i + 1 < count ? right[i + 1] : left;
-        bounds_join(&right[i], bins[i].bounds.lo, bins[i].bounds.hi);
-        n += bins[i].n;
-        cost[i] = n ? box_area(bounds_box(right[i])) * groups(n, block) : INFINITY;
+        left = right[i] = f8_min(row->box[i], left);
+        n += row->n[i];
+        cost[i] = n ? box8_area(left) * groups(n, shift) : INFINITY;
     }
     n = 0;
+    left = box8_none();
     for (int i = 1; i < count; i++) {
         float sum;
-        bounds_join(&left, bins[i - 1].bounds.lo, bins[i - 1].bounds.hi);
-        n += bins[i - 1].n;
-        if (bins[i - 1].n == 0)
+        left = f8_min(row->box[i - 1], left);
+        n += row->n[i - 1];
+        if (row->n[i - 1] == 0)
             continue;
-        sum = box_area(bounds_box(left)) * groups(n, block) + cost[i];
+        sum = box8_area(left) * groups(n, shift) + cost[i];
         if (sum < best->cost)
-            *best = (Cut){ sum, axis, i, bounds_box(left), bounds_box(right[i]) };
+            *best = (Cut){ sum, axis, i, box8_box(left), box8_box(right[i]) };
     }
 }
 
-static void bins_empty(const Bins *b, Bin bins[3][BINS])
+static void rows_empty(const Bins *b, Row row[3])
 {
     for (int k = 0; k < 3; k++)
-        for (int i = 0; i < b->count; i++)
-            bins[k][i] = (Bin){ bounds_none(), 0 };
+        for (int i = 0; i < b->count; i++) {
+            row[k].box[i] = box8_none();
+            row[k].n[i] = 0;
+        }
 }
 
-INLINE void bins_add(const Bins *b, Bin bins[3][BINS], const Ref *r)
+INLINE void rows_add(const Bins *b, Row row[3], const Ref *r)
 {
-    F4 lo = ref_lo(r), hi = ref_hi(r), at = bins_at(b, middle(lo, hi));
+    F4 at = bins_at(b, middle(ref_lo(r), ref_hi(r)));
+    F8 box = ref_box(r);
 
     for (int k = 0; k < 3; k++) {
-        Bin *bin = &bins[k][(int)f4_lane(at, k)];
-        bounds_join(&bin->bounds, lo, hi);
-        bin->n++;
+        int i = (int)f4_lane(at, k);
+        row[k].box[i] = f8_min(box, row[k].box[i]);
+        row[k].n[i]++;
     }
 }
 
 /* Neighbours often are in the same bin, and would wait for each other: of many refs every second
  * goes to bins of its own, which are joined in the end. */
-static void fill_bins(const Ref *refs, size_t n, const Bins *b, Bin bins[3][BINS])
+static void fill_rows(const Ref *refs, size_t n, const Bins *b, Row row[3])
 {
-    Bin second[3][BINS];
+    Row second[3];
     size_t pairs = n > MANY ? n / 2 : 0;
 
-    bins_empty(b, bins);
+    rows_empty(b, row);
     for (size_t r = 2 * pairs; r < n; r++)
-        bins_add(b, bins, &refs[r]);
+        rows_add(b, row, &refs[r]);
     if (!pairs)
         return;
-    bins_empty(b, second);
+    rows_empty(b, second);
     for (size_t r = 0; r < 2 * pairs; r += 2) {
-        bins_add(b, bins, &refs[r]);
-        bins_add(b, second, &refs[r + 1]);
+        rows_add(b, row, &refs[r]);
+        rows_add(b, second, &refs[r + 1]);
     }
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < b->count; i++) {
-            bounds_join(&bins[k][i].bounds, second[k][i].bounds.lo, second[k][i].bounds.hi);
-            bins[k][i].n += second[k][i].n;
+            row[k].box[i] = f8_min(second[k].box[i], row[k].box[i]);
+            row[k].n[i] += second[k].n[i];
         }
 }
 
-static Cut find_cut(const Ref *refs, size_t n, const Bins *b, size_t block)
+static Cut find_cut(const Ref *refs, size_t n, const Bins *b, int shift)
 {
     Cut best = { INFINITY, -1, 0, { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 0 } } };
-    Bin bins[3][BINS];
+    Row row[3];
 
-    fill_bins(refs, n, b, bins);
+    fill_rows(refs, n, b, row);
     for (int k = 0; k < 3; k++)
         if (f4_lane(b->scale, k) > 0.0f)
-            best_cut(bins[k], b->count, block, k, &best);
+            best_cut(&row[k], b->count, shift, k, &best);
     return best;
 }
 
@@ -266,6 +299,21 @@ static Box centres_of(const Ref *refs, size_t n)
     return bounds_box(all);
 }
 
+/* In pieces that do not overlap: what was stored a moment ago is loaded again in the same pieces, for
+ * which processors need not wait. */
+INLINE void refs_exchange(Ref *a, Ref *b)
+{
+    uint64_t x[3], y[3];
+    uint32_t p = a->prim, q = b->prim;
+
+    memcpy(x, a, sizeof x);
+    memcpy(y, b, sizeof y);
+    memcpy(a, y, sizeof y);
+    memcpy(b, x, sizeof x);
+    a->prim = q;
+    b->prim = p;
+}
+
 /* Puts what lies left of the cut before what does not; returns how many the former are. */
 static size_t divide_at(Ref *refs, size_t n, const Bins *b, const Cut *c, Extent half[2])
 {
@@ -274,9 +322,7 @@ static size_t divide_at(Ref *refs, size_t n, const Bins *b, const Cut *c, Extent
     for (size_t i = 0; i < n; i++) {            /* no branch: it would be taken at random */
         F4 centre = middle(ref_lo(&refs[i]), ref_hi(&refs[i]));
         int left = (int)f4_lane(bins_at(b, centre), c->axis) < c->cut;
-        Ref swap = refs[i];
-        refs[i] = refs[k];
-        refs[k] = swap;
+        refs_exchange(&refs[i], &refs[k]);
         k += (size_t)left;
     }
     half[0] = (Extent){ c->left, centres_of(refs, k) };
@@ -284,15 +330,15 @@ static size_t divide_at(Ref *refs, size_t n, const Bins *b, const Cut *c, Extent
     return k;
 }
 
-size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, size_t block,
+size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, int shift,
                       Extent half[2])
 {
     Bins bins = bins_over(whole->centres, n);
-    Cut cut = find_cut(refs, n, &bins, block);
+    Cut cut = find_cut(refs, n, &bins, shift);
     float area = box_area(whole->box);
     size_t k;
 
-    if (n <= leaf && !(cut.cost + area < area * groups((uint32_t)n, block)))
+    if (n <= leaf && !(cut.cost + area < area * groups((uint32_t)n, shift)))
         return 0;
     if (cut.axis >= 0)
         return divide_at(refs, n, &bins, &cut, half);

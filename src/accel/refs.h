@@ -33,10 +33,10 @@ size_t refs_split_median(Ref *refs, size_t n, Box centres);
 size_t refs_split_middle(Ref *refs, size_t n, Box centres);
 
 /* Between two of at most 16 bins on the axis where the sum over sides of area times cost is least;
- * the cost of m primitives is that of m / block groups, rounded up. 0: one leaf, where n <= leaf
+ * the cost of m primitives is that of m / 2^shift groups, rounded up. 0: one leaf, where n <= leaf
  * and no split is cheaper than that; a visit of a node is taken to cost as much as a group. Else
  * half says what the two are like. */
-size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, size_t block,
+size_t refs_split_sah(Ref *refs, size_t n, const Extent *whole, size_t leaf, int shift,
                       Extent half[2]);
 
 #endif

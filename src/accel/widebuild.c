@@ -11,8 +11,8 @@
 #include "base/mem.h"
 #include "base/work.h"
 
-/* The lean form tests four triangles at a time. */
-enum { ENOUGH = 2, LEAN_BLOCK = 4, PARTS = 16, PART_LEAST = 4096 };
+/* The lean form tests 2^2 triangles at a time, the fast one 2^3. */
+enum { ENOUGH = 2, LEAN_GROUP = 2, FAST_GROUP = 3, PARTS = 16, PART_LEAST = 4096 };
 
 /* Some refs, what they are like, and how deep. */
 typedef struct { Extent extent; uint32_t first, count; int depth; } Run;
@@ -56,11 +56,11 @@ static void split_run(const Build *b, Run *r, Run *right)
     Ref *refs = b->refs + r->first;
     Extent half[2];
     uint32_t k, first = r->first, count = r->count;
-    size_t block = b->wide->lean ? LEAN_BLOCK : LEAF;
+    int shift = b->wide->lean ? LEAN_GROUP : FAST_GROUP;
     int depth = r->depth + 1;
 
     if (r->depth < REFS_DEPTH_SAH)
-        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, block, half);
+        k = (uint32_t)refs_split_sah(refs, count, &r->extent, 0, shift, half);
     else {
         k = (uint32_t)refs_split_median(refs, count, r->extent.centres);
         half[0] = refs_extent(refs, k);

@@ -194,6 +194,8 @@ INLINE F8 f8_add(F8 a, F8 b) { return _mm256_add_ps(a, b); }
 INLINE F8 f8_sub(F8 a, F8 b) { return _mm256_sub_ps(a, b); }
 INLINE F8 f8_mul(F8 a, F8 b) { return _mm256_mul_ps(a, b); }
 INLINE F8 f8_abs(F8 a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+/* -a in the lanes where s is -0, a where it is 0. */
+INLINE F8 f8_flip(F8 a, F8 s) { return _mm256_xor_ps(a, s); }
 /* a > b ? a : b and a < b ? a : b in each lane: b where either is not a number */
 INLINE F8 f8_max(F8 a, F8 b) { return _mm256_max_ps(a, b); }
 INLINE F8 f8_min(F8 a, F8 b) { return _mm256_min_ps(a, b); }
@@ -217,6 +219,7 @@ INLINE F8 f8_add(F8 a, F8 b) { F8_EACH(a, a.v[k] + b.v[k]); return a; }
 INLINE F8 f8_sub(F8 a, F8 b) { F8_EACH(a, a.v[k] - b.v[k]); return a; }
 INLINE F8 f8_mul(F8 a, F8 b) { F8_EACH(a, a.v[k] * b.v[k]); return a; }
 INLINE F8 f8_abs(F8 a) { F8_EACH(a, fabsf(a.v[k])); return a; }
+INLINE F8 f8_flip(F8 a, F8 s) { F8_EACH(a, signbit(s.v[k]) ? -a.v[k] : a.v[k]); return a; }
 INLINE F8 f8_max(F8 a, F8 b) { F8_EACH(a, a.v[k] > b.v[k] ? a.v[k] : b.v[k]); return a; }
 INLINE F8 f8_min(F8 a, F8 b) { F8_EACH(a, a.v[k] < b.v[k] ? a.v[k] : b.v[k]); return a; }
 INLINE int f8_less(F8 a, F8 b)

@@ -292,50 +292,48 @@ static uint32_t *vertex_places(const Geometry *g, const Shape *s, const uint32_t
     return place;
 }
 
-/* In place, cycle by cycle; place becomes that of the identity. */
-static void move_vertices(Geometry *g, Shape *s, uint32_t *place, uint32_t n)
+/* Moves n things of a vertex each to their places; room holds as many. */
+static void move_points(V3 *p, uint32_t n, const uint32_t *place, V3 *room)
 {
-    V3 *p = g->p + s->first_vertex;
-
+    if (!p)
+        return;
+    memcpy(room, p, n * sizeof *p);
     for (uint32_t v = 0; v < n; v++)
-        while (place[v] != v) {
-            uint32_t to = place[v];
-            V3 swap = p[to];
-            p[to] = p[v];
-            p[v] = swap;
-            if (s->n) {
-                swap = s->n[to];
-                s->n[to] = s->n[v];
-                s->n[v] = swap;
-            }
-            if (s->uv) {
-                V2 other = s->uv[to];
-                s->uv[to] = s->uv[v];
-                s->uv[v] = other;
-            }
-            place[v] = place[to];
-            place[to] = to;
-        }
+        p[place[v]] = room[v];
+}
+
+static void move_uv(V2 *p, uint32_t n, const uint32_t *place, V2 *room)
+{
+    if (!p)
+        return;
+    memcpy(room, p, n * sizeof *p);
+    for (uint32_t v = 0; v < n; v++)
+        p[place[v]] = room[v];
 }
 
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
 {
+    typedef union { Tri tri; V3 p; V2 uv; } Room;       /* of one triangle, or of one vertex */
     Shape *s = &g->shapes[shape];
-    Tri *old = MEM_ARRAY(Tri, s->count);
     uint32_t n, *place = vertex_places(g, s, order, &n);
+    Room *room = place ? MEM_ARRAY(Room, n > s->count ? n : s->count) : NULL;
+    Tri *old;
 
-    if (!old || !place || (s->light != NO_LIGHT && !remember_places(s, order))) {
-        mem_free(old);
+    if (!room || (s->light != NO_LIGHT && !remember_places(s, order))) {
+        mem_free(room);
         mem_free(place);
         return false;
     }
+    old = &room->tri;
     memcpy(old, g->tri + s->first, s->count * sizeof *old);
     for (uint32_t k = 0; k < s->count; k++)
         for (int c = 0; c < 3; c++)
             g->tri[s->first + k].v[c] = place[old[order[k]].v[c] - s->first_vertex] +
                                         s->first_vertex;
-    mem_free(old);
-    move_vertices(g, s, place, n);
+    move_points(g->p + s->first_vertex, n, place, &room->p);
+    move_points(s->n, n, place, &room->p);
+    move_uv(s->uv, n, place, &room->uv);
+    mem_free(room);
     mem_free(place);
     return true;
 }
