@@ -263,10 +263,12 @@ static const Fault warnings[] = {
     { 1, 50, "unknown medium 'a'; nothing is there", "WorldBegin Shape \"sphere\"        "
       "MediumInterface \"a\"" },
     { 1, 1, "VolumeIntegrator is left out", "VolumeIntegrator \"a\" \"float b\" 1" },
-    { 1, 51, "the mapping 'planar' is not supported; uv is used", "WorldBegin Texture \"a\" "
-      "\"float\" \"checkerboard\"     \"string mapping\" \"planar\" \"vector v1\" [1 0 0]" },
-    { 1, 12, "only two-dimensional checkerboards", "WorldBegin Texture \"a\" \"float\" "
-      "\"checkerboard\" \"integer dimension\" 3" },
+    { 1, 51, "unknown mapping 'plana', did you mean 'planar'?; uv is used", "WorldBegin Texture "
+      "\"a\" \"float\" \"checkerboard\"     \"string mapping\" \"plana\" \"vector v1\" [1 0 0]" },
+    { 1, 47, "a checkerboard has 2 or 3 dimensions", "WorldBegin Texture \"a\" \"float\" "
+      "\"checkerboard\" \"integer dimension\" 4" },
+    { 1, 12, "cannot be read; grey 0.5 is used (another program can convert it to PNG)",
+      "WorldBegin Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"b.jpg\"" },
     { 1, 74, "is defined again", "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"matte\" "
       "MakeNamedMaterial \"a\" \"string type\" \"mirror\"" },
     { 1, 43, "is defined again", "WorldBegin Texture \"a\" \"float\" \"constant\" "

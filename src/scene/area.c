@@ -49,7 +49,7 @@ static Light *make(const Making *m, const Opts *o)
         l->base.textured = true;
         l->picture.kind = TEXTURE_IMAGE;
         l->picture.value = rgb_all(1.0f);
-        l->picture.su = l->picture.sv = 1.0f;
+        l->picture.map.su = l->picture.map.sv = 1.0f;
         l->picture.image = scene_image(m->scene, m, opt_string(o, "filename"));
         if (!l->picture.image)
             return NULL;
@@ -263,7 +263,7 @@ static Rgb masked(const Area *l, const AreaPoint *s, Rgb L)
     if (LIKELY(!l->mask))
         return L;
     at = surface_at(s->p, s->err, s->n, s->uv);
-    return rgb_scale(L, clamp01(rgb_lum(texture_eval(l->mask, &at))));
+    return rgb_scale(L, clamp01(texture_alpha(l->mask, &at)));
 }
 
 /* ---- the cone of a sphere ---- */

@@ -36,7 +36,7 @@ static bool stops(const Scene *s, const Ray *r, const Hit *h, int n, const Surfa
 
     if (!opacity)
         return true;
-    a = rgb_lum(texture_eval(opacity, at));
+    a = texture_alpha(opacity, at);
     return a >= 1.0f || (a > 0.0f && number_of(r, h, n) < a);
 }
 

@@ -51,6 +51,7 @@ void scene_free(Scene *s)
     for (size_t i = 0; i < s->ngeometries; i++)
         geometry_clear(&s->geometries[i]);
     for (size_t i = 0; i < s->nimages; i++) {
+        pyramid_clear(&s->images[i]->pyramid);
         image_clear(&s->images[i]->image);
         mem_free(s->images[i]);
     }
@@ -111,19 +112,24 @@ bool scene_add_light(Scene *s, Light *l, uint32_t *index)
 
 const Image *scene_image(Scene *s, const Making *m, const char *name)
 {
+    return scene_image_as(s, m, name, ENCODING_BY_FILE);
+}
+
+const Image *scene_image_as(Scene *s, const Making *m, const char *name, Encoding encoding)
+{
     char *path = path_beside(m->at.file, name);
     SceneImage *im;
 
     if (!path)
         return NULL;
     for (size_t i = 0; i < s->nimages; i++)
-        if (!strcmp(s->images[i]->path, path)) {
+        if (!strcmp(s->images[i]->path, path) && s->images[i]->encoding == encoding) {
             mem_free(path);
             return &s->images[i]->image;
         }
     im = MEM_NEW(SceneImage);
     if (!im || !(im->path = arena_string(&s->arena, path, strlen(path))) ||
-        !image_read(&im->image, im->path, m->max_pixels) ||
+        !image_read_as(&im->image, im->path, m->max_pixels, encoding) ||
         !MEM_PUSH(s->images, s->nimages, s->cap_images, im)) {
         if (im)
             image_clear(&im->image);
@@ -131,8 +137,20 @@ const Image *scene_image(Scene *s, const Making *m, const char *name)
         mem_free(path);
         return NULL;
     }
+    im->encoding = encoding;
     mem_free(path);
     return &im->image;
+}
+
+const Pyramid *scene_pyramid(Scene *s, const Image *of)
+{
+    size_t i = 0;
+
+    while (&s->images[i]->image != of)
+        i++;
+    if (!s->images[i]->pyramid.base && !pyramid_init(&s->images[i]->pyramid, of))
+        return NULL;
+    return &s->images[i]->pyramid;
 }
 
 /* ---- finishing ---- */

@@ -7,31 +7,12 @@
 #include "bsdf/bsdf.h"
 #include "geometry/geometry.h"
 #include "image/image.h"
+#include "scene/texture.h"
 #include "scene/medium.h"
 
 #include <string.h>
 
 typedef struct Scene Scene;
-
-/* ---- textures: a closed set, since every hit evaluates some ---- */
-
-typedef enum {
-    TEXTURE_CONSTANT,
-    TEXTURE_IMAGE,              /* bilinear, repeated */
-    TEXTURE_CHECKER,            /* a and b alternate in unit squares of (u, v) */
-    TEXTURE_SCALE               /* a times b */
-} TextureKind;
-
-typedef struct Texture {
-    TextureKind kind;
-    Rgb value;                          /* CONSTANT */
-    const struct Texture *a, *b;        /* borrowed from the scene */
-    const Image *image;                 /* borrowed from the scene */
-    float su, sv, du, dv;               /* (u, v) becomes (su u + du, sv v + dv) */
-} Texture;
-
-Rgb texture_eval(const Texture *t, const Surface *s);
-Rgb texture_mean(const Texture *t);     /* over the unit square, for estimates of power */
 
 /* ---- materials ---- */
 
@@ -199,7 +180,12 @@ extern const CameraKind *const cameras[];       /* ends with NULL */
 
 /* ---- the scene ---- */
 
-typedef struct { const char *path; Image image; } SceneImage;   /* path in the arena */
+typedef struct {
+    const char *path;           /* in the arena */
+    Encoding encoding;
+    Image    image;
+    Pyramid  pyramid;           /* made when it is first wanted */
+} SceneImage;
 
 struct Scene {
     Arena arena;                        /* lights, cameras, textures, names */
@@ -234,6 +220,8 @@ bool   scene_add_light(Scene *s, Light *l, uint32_t *index);
 bool   scene_add_medium(Scene *s, const Medium *m, uint32_t *index);
 /* Reads a picture for a texture or a light; the scene keeps it. One file is read once. */
 const Image *scene_image(Scene *s, const Making *m, const char *name);
+const Image *scene_image_as(Scene *s, const Making *m, const char *name, Encoding encoding);
+const Pyramid *scene_pyramid(Scene *s, const Image *of);        /* of one of these; NULL: memory */
 /* Finishes geometries, builds structures bottom up, prepares lights. */
 bool   scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads);
 /* The structures alone, in place of those that there were. */

@@ -17,7 +17,6 @@ enum {
     INCLUDES_MAX = 16384        /* Include and Import directives that are carried out */
 };
 #define GENERATED_MAX ((uint64_t)1 << 22)       /* triangles made of curved shapes in one scene */
-#define AVERAGED_MAX  ((uint64_t)1 << 32)       /* pixels looked at for means of textures */
 #define MATERIAL_NONE (UINT32_MAX - 1)                /* surfaces that are left out: "interface" */
 
 /* The parameters of the directive being read. Emptied, not freed, between directives. */
@@ -71,7 +70,7 @@ typedef enum {
     ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2
 } Once;
 
-typedef struct { Texture *texture; uint32_t cost; } NamedTexture;
+typedef struct { const Texture *texture; uint32_t cost; } NamedTexture;
 
 /* A material that was made of another one and a mask. */
 typedef struct { uint32_t of, material; const Texture *mask; } Masked;
@@ -103,7 +102,6 @@ typedef struct {
     ParamPool  pool;
     Cie       *cie;             /* owned; made when first wanted */
     uint64_t   generated;       /* triangles made so far */
-    uint64_t   averaged;        /* pixels that means of textures looked at so far */
     uint64_t   degenerate;      /* triangles dropped, and where the first was */
     Place      degenerate_at;
 } Reader;
@@ -200,10 +198,11 @@ bool do_light_source(Reader *r, Place at);      /* lightsources.c */
 bool do_area_light_source(Reader *r, Place at);
 bool lightsource_shine(Reader *r, const AreaLight *area, uint32_t shape, Place at);
 
-bool do_texture(Reader *r, Place at);           /* textures.c */
+bool do_texture(Reader *r, Place at);           /* textures.c, imagemaps.c */
 /* A texture by its name, of either type, the wanted one first. *t NULL: unknown, warned of. */
 bool texture_find(Reader *r, Place at, const char *name, bool colour, const Texture **t);
-/* A picture as a texture; grey 0.5 with a warning if pictures of that kind cannot be read. */
+/* A picture as a texture, repeated and bilinear; grey 0.5 with a warning if pictures of that kind
+ * cannot be read. */
 Texture *texture_image(Reader *r, Place at, const char *name);
 bool texture_readable(const char *name);        /* by its extension */
 

@@ -1,22 +1,12 @@
-/* textures.c -- the Texture directive. Patterns that the scene cannot evaluate at each point are
- * replaced by a constant, the mean of what they vary between, and a warning says so. */
-#include "scenefile/reader.h"
+/* textures.c -- the Texture directive: its classes, of constants and other textures. Pictures are
+ * in imagemaps.c. */
+#include "scenefile/textures.h"
 
 #include <string.h>
 
-static Texture *new_texture(Reader *r, TextureKind kind)
-{
-    Texture *t = arena_take(&r->scene->arena, 1, sizeof *t);
-    if (t) {
-        t->kind = kind;
-        t->su = t->sv = 1;
-    }
-    return t;
-}
-
 static Texture *constant(Reader *r, Rgb value)
 {
-    Texture *t = new_texture(r, TEXTURE_CONSTANT);
+    Texture *t = texture_new(r, TEXTURE_CONSTANT);
     if (t)
         t->value = value;
     return t;
@@ -44,13 +34,6 @@ bool texture_find(Reader *r, Place at, const char *name, bool colour, const Text
 }
 
 /* ---- operands ---- */
-
-typedef struct {                /* of the texture being made */
-    Reader *r;
-    const Params *ps;
-    bool     colour;
-    uint32_t cost;
-} Build;
 
 /* A parameter that is a number, a colour or a texture. False: reported. */
 static bool operand(Build *b, const char *name, float otherwise, const Texture **t)
@@ -82,218 +65,173 @@ static bool operand(Build *b, const char *name, float otherwise, const Texture *
     return *t != NULL;
 }
 
-/* Pixels that texture_mean looks at. A texture is a tree of at most TEXTURE_COST_MAX. */
-static uint64_t pixels_of(const Texture *t)
-{
-    uint64_t n = t->kind == TEXTURE_IMAGE ? (uint64_t)t->image->w * t->image->h : 1;
-    if (t->kind == TEXTURE_CHECKER || t->kind == TEXTURE_SCALE)
-        n += pixels_of(t->a) + pixels_of(t->b);
-    return n;
-}
-
-/* The mean of a texture, as long as the scene has not asked for too many. */
-static bool mean_of(Build *b, Place at, const Texture *t, Rgb *mean)
-{
-    b->r->averaged += pixels_of(t);
-    if (b->r->averaged > AVERAGED_MAX)
-        return err_at(at, "means of textures are taken of more than %.0f pixels",
-                      (double)AVERAGED_MAX);
-    *mean = texture_mean(t);
-    return true;
-}
-
-static bool operand_mean(Build *b, Place at, const char *name, float otherwise, Rgb *mean)
-{
-    const Texture *t;
-    return operand(b, name, otherwise, &t) && mean_of(b, at, t, mean);
-}
-
-/* uscale, vscale, udelta, vdelta; other mappings than that of (u, v) are warned of. */
-static bool mapping(Build *b, Texture *t)
-{
-    double su = 1, sv = 1, du = 0, dv = 0;
-    const char *kind;
-    const Param *p = params_find(b->ps, "mapping", NULL);
-
-    if (!params_numbers(b->ps, "uscale", 1, &su) || !params_numbers(b->ps, "vscale", 1, &sv) ||
-        !params_numbers(b->ps, "udelta", 1, &du) || !params_numbers(b->ps, "vdelta", 1, &dv) ||
-        !params_string(b->ps, "mapping", "uv", &kind))
-        return false;
-    t->su = (float)su;
-    t->sv = (float)sv;
-    t->du = (float)du;
-    t->dv = (float)dv;
-    if (!strcmp(kind, "uv"))
-        return true;
-    params_find(b->ps, "v1", NULL);
-    params_find(b->ps, "v2", NULL);
-    return warn_at(p->at, "the mapping '%.40s' is not supported; uv is used", kind);
-}
-
 /* ---- one function for each class: *t NULL and true after a warning ---- */
 
-static bool make_constant(Build *b, Place at, Texture **t)
+static bool make_constant(Build *b, Place at, const Texture **t)
 {
-    Rgb value;
-    if (!operand_mean(b, at, "value", 1, &value))
-        return false;
-    *t = constant(b->r, value);
-    return *t != NULL;
+    (void)at;
+    return operand(b, "value", 1, t);
 }
 
-bool texture_readable(const char *name)
-{
-    const char *ext = path_extension(name);
-    size_t n = strlen(ext);
-    for (size_t i = 0; image_formats[i]; i++)
-        for (const char *e = image_formats[i]->extensions; n && *e; e += strspn(e, " ")) {
-            size_t k = strcspn(e, " ");
-            if (k == n && word_is_nocase((Word){ e, k }, ext) && image_formats[i]->read)
-                return true;
-            e += k;
-        }
-    return false;
-}
-
-Texture *texture_image(Reader *r, Place at, const char *name)
-{
-    Making m;
-    Texture *t;
-
-    if (!texture_readable(name))
-        return warn_at(at, "pictures of the kind of '%.80s' cannot be read; grey 0.5 is used", name)
-                   ? constant(r, rgb_all(0.5f)) : NULL;
-    t = new_texture(r, TEXTURE_IMAGE);
-    if (!t || !reader_making(r, at, name, &m) || !(t->image = scene_image(r->scene, &m, name)))
-        return NULL;
-    t->value = rgb_all(1);
-    return t;
-}
-
-static bool image_options(Build *b)
-{
-    static const char *const quality[] = { "filter", "maxanisotropy", "trilinear", "encoding",
-                                           "gamma" };
-    const char *wrap;
-    const Param *p = params_find(b->ps, "wrap", NULL), *invert = params_find(b->ps, "invert", NULL);
-
-    for (size_t i = 0; i < sizeof quality / sizeof *quality; i++)
-        params_find(b->ps, quality[i], NULL);
-    if (!params_string(b->ps, "wrap", "repeat", &wrap))
-        return false;
-    if (strcmp(wrap, "repeat") &&
-        !warn_at(p->at, "the wrap mode '%.40s' is not supported; repeat is used", wrap))
-        return false;
-    if (!invert || (invert->kind == PARAM_BOOL && invert->numbers[0] == 0))
-        return true;
-    return warn_at(invert->at, "images cannot be inverted; 'invert' is left out");
-}
-
-static bool make_imagemap(Build *b, Place at, Texture **t)
-{
-    const char *name;
-    Texture *image;
-    double scale = 1;
-
-    if (!params_string(b->ps, "filename", NULL, &name))
-        return false;
-    if (!name)
-        return err_at(at, "an imagemap needs a \"string filename\"");
-    if (!image_options(b) || !params_numbers(b->ps, "scale", 1, &scale))
-        return false;
-    image = texture_image(b->r, at, name);
-    if (!image || !mapping(b, image))
-        return false;
-    image->value = rgb_scale(image->value, (float)scale);
-    *t = image;
-    return true;
-}
-
-static bool make_checkerboard(Build *b, Place at, Texture **t)
+static bool make_checkerboard(Build *b, Place at, const Texture **t)
 {
     double dimension = 2;
-    Rgb mean;
-    Texture *c = new_texture(b->r, TEXTURE_CHECKER);
+    const Param *p = params_find(b->ps, "dimension", NULL);
+    Texture *c = texture_new(b->r, TEXTURE_CHECKER);
 
+    (void)at;
     params_find(b->ps, "aamode", NULL);
     if (!c || !operand(b, "tex1", 1, &c->a) || !operand(b, "tex2", 0, &c->b) ||
-        !params_numbers(b->ps, "dimension", 1, &dimension) || !mapping(b, c))
+        !params_numbers(b->ps, "dimension", 1, &dimension) || !texture_mapping(b, c))
         return false;
+    if (dimension == 3)
+        c->kind = TEXTURE_CHECKER3;
     *t = c;
-    if (dimension == 2)
-        return true;
-    if (!mean_of(b, at, c, &mean))
-        return false;
-    *t = constant(b->r, mean);
-    return *t &&
-           warn_at(at, "only two-dimensional checkerboards are supported; their mean is used");
+    return dimension == 2 || dimension == 3 ||
+           warn_at(p->at, "a checkerboard has 2 or 3 dimensions; 2 is used");
 }
 
 /* Version 3 multiplies tex1 and tex2, version 4 tex and scale. */
-static bool make_scale(Build *b, Place at, Texture **t)
+static bool make_scale(Build *b, Place at, const Texture **t)
 {
     bool v4 = params_find(b->ps, "tex", NULL) || params_find(b->ps, "scale", NULL);
-    Texture *s = new_texture(b->r, TEXTURE_SCALE);
+    Texture *s = texture_new(b->r, TEXTURE_SCALE);
 
     (void)at;
-    if (!s || !operand(b, v4 ? "tex" : "tex1", 1, &s->a) ||
-        !operand(b, v4 ? "scale" : "tex2", 1, &s->b))
-        return false;
     *t = s;
+    return s && operand(b, v4 ? "tex" : "tex1", 1, &s->a) &&
+           operand(b, v4 ? "scale" : "tex2", 1, &s->b);
+}
+
+static bool make_mix(Build *b, Place at, const Texture **t)
+{
+    Texture *m = texture_new(b->r, TEXTURE_MIX);
+
+    (void)at;
+    *t = m;
+    return m && operand(b, "tex1", 0, &m->a) && operand(b, "tex2", 1, &m->b) &&
+           operand(b, "amount", 0.5f, &m->c);
+}
+
+/* The direction is one of the current transform. */
+static bool make_directionmix(Build *b, Place at, const Texture **t)
+{
+    double dir[3] = { 0, 1, 0 };
+    Texture *m = texture_new(b->r, TEXTURE_DIRECTION_MIX);
+
+    (void)at;
+    if (!m || !operand(b, "tex1", 0, &m->a) || !operand(b, "tex2", 1, &m->b) ||
+        !params_numbers(b->ps, "dir", 3, dir))
+        return false;
+    m->axis = v_unit(xf_vector(&b->r->state.ctm, v3((float)dir[0], (float)dir[1], (float)dir[2])));
+    *t = m;
     return true;
 }
 
-static bool make_mix(Build *b, Place at, Texture **t)
+static bool make_bilerp(Build *b, Place at, const Texture **t)
 {
-    Rgb one, two, k, all;
+    Texture *m = texture_new(b->r, TEXTURE_BILERP);
 
-    params_find(b->ps, "dir", NULL);
-    if (!operand_mean(b, at, "tex1", 0, &one) || !operand_mean(b, at, "tex2", 1, &two) ||
-        !operand_mean(b, at, "amount", 0.5f, &k))
-        return false;
-    all = rgb_add(rgb_mul(one, rgb_sub(rgb_all(1), k)), rgb_mul(two, k));
-    *t = constant(b->r, all);
-    return *t && warn_at(at, "mixed textures are not supported; their mean is used");
+    (void)at;
+    *t = m;
+    return m && operand(b, "v00", 0, &m->a) && operand(b, "v01", 1, &m->b) &&
+           operand(b, "v10", 0, &m->c) && operand(b, "v11", 1, &m->d) && texture_mapping(b, m);
 }
 
-static bool make_bilerp(Build *b, Place at, Texture **t)
+static bool make_dots(Build *b, Place at, const Texture **t)
 {
-    Rgb v[4];
-    if (!operand_mean(b, at, "v00", 0, &v[0]) || !operand_mean(b, at, "v01", 1, &v[1]) ||
-        !operand_mean(b, at, "v10", 0, &v[2]) || !operand_mean(b, at, "v11", 1, &v[3]))
-        return false;
-    *t = constant(b->r, rgb_scale(rgb_add(rgb_add(v[0], v[1]), rgb_add(v[2], v[3])), 0.25f));
-    return *t && warn_at(at, "bilerp textures are not supported; their mean is used");
+    Texture *d = texture_new(b->r, TEXTURE_DOTS);
+
+    (void)at;
+    *t = d;
+    return d && operand(b, "inside", 1, &d->a) && operand(b, "outside", 0, &d->b) &&
+           texture_mapping(b, d);
 }
 
-/* Half of the squares have a dot of radius 0.35, so dots cover pi 0.35^2 / 2 of the surface. */
-static bool make_dots(Build *b, Place at, Texture **t)
+static bool make_uv(Build *b, Place at, const Texture **t)
 {
-    const float part = 0.19242255f;
-    Rgb in, out;
-    if (!operand_mean(b, at, "inside", 1, &in) || !operand_mean(b, at, "outside", 0, &out))
-        return false;
-    *t = constant(b->r, rgb_add(rgb_scale(in, part), rgb_scale(out, 1 - part)));
-    return *t && warn_at(at, "dots are not supported; their mean is used");
+    Texture *u = texture_new(b->r, TEXTURE_UV);
+
+    (void)at;
+    *t = u;
+    return u && texture_mapping(b, u);
 }
 
-static bool make_noise(Build *b, Place at, Texture **t)
+/* Noise in the space of the current transform. */
+static bool noise_of(Build *b, TextureKind kind, Texture **n)
 {
-    *t = constant(b->r, rgb_all(0.5f));
-    return *t && warn_at(at, "procedural noise is not supported; grey 0.5 is used");
+    double octaves = 8, roughness = 0.5;
+
+    *n = texture_new(b->r, kind);
+    if (!*n || !params_numbers(b->ps, "octaves", 1, &octaves) ||
+        !params_numbers(b->ps, "roughness", 1, &roughness))
+        return false;
+    (*n)->octaves = (int)d_min(d_max(octaves, 0), TEXTURE_OCTAVES_MAX);
+    (*n)->roughness = (float)roughness;
+    texture_space(b, *n);
+    return true;
+}
+
+static bool make_fbm(Build *b, Place at, const Texture **t)
+{
+    Texture *n;
+    bool ok = noise_of(b, TEXTURE_FBM, &n);
+    (void)at;
+    *t = n;
+    return ok;
+}
+
+static bool make_wrinkled(Build *b, Place at, const Texture **t)
+{
+    Texture *n;
+    bool ok = noise_of(b, TEXTURE_WRINKLED, &n);
+    (void)at;
+    *t = n;
+    return ok;
+}
+
+static bool make_windy(Build *b, Place at, const Texture **t)
+{
+    Texture *n = texture_new(b->r, TEXTURE_WINDY);
+    (void)at;
+    *t = n;
+    if (n)
+        texture_space(b, n);
+    return n != NULL;
+}
+
+static bool make_marble(Build *b, Place at, const Texture **t)
+{
+    double scale = 1, variation = 0.2;
+    Texture *n;
+
+    (void)at;
+    if (!noise_of(b, TEXTURE_MARBLE, &n) || !params_numbers(b->ps, "scale", 1, &scale) ||
+        !params_numbers(b->ps, "variation", 1, &variation))
+        return false;
+    n->scale = (float)scale;
+    n->variation = (float)variation;
+    *t = n;
+    return true;
+}
+
+static bool make_nothing(Build *b, Place at, const Texture **t)
+{
+    (void)t;
+    for (size_t i = 0; i < b->ps->n; i++)
+        b->ps->p[i].used = true;
+    return warn_at(at, "ptex textures are not supported; grey 0.5 is used");
 }
 
 static const struct {
     const char *name;
-    bool (*make)(Build *b, Place at, Texture **t);
-    bool mapped;                /* takes the parameters of a mapping, though it needs none here */
+    bool (*make)(Build *b, Place at, const Texture **t);
 } classes[] = {
-    { "constant", make_constant, false }, { "imagemap", make_imagemap, false },
-    { "checkerboard", make_checkerboard, false }, { "scale", make_scale, false },
-    { "mix", make_mix, false }, { "directionmix", make_mix, false },
-    { "bilerp", make_bilerp, true }, { "dots", make_dots, true }, { "uv", make_noise, true },
-    { "fbm", make_noise, true }, { "wrinkled", make_noise, true }, { "windy", make_noise, true },
-    { "marble", make_noise, true }, { "ptex", make_noise, true }
+    { "constant", make_constant }, { "imagemap", texture_imagemap },
+    { "checkerboard", make_checkerboard }, { "scale", make_scale }, { "mix", make_mix },
+    { "directionmix", make_directionmix }, { "bilerp", make_bilerp }, { "dots", make_dots },
+    { "uv", make_uv }, { "fbm", make_fbm }, { "wrinkled", make_wrinkled },
+    { "windy", make_windy }, { "marble", make_marble }, { "ptex", make_nothing }
 };
 enum { NCLASSES = sizeof classes / sizeof *classes };
 
@@ -321,14 +259,15 @@ static bool unknown_class(Reader *r, const Token *t)
 static bool unused(const Params *ps, int class)
 {
     for (size_t i = 0; i < ps->n; i++)
-        if (!ps->p[i].used && class >= 0 && !classes[class].mapped &&
+        if (!ps->p[i].used && class >= 0 &&
             !warn_at(ps->p[i].at, "%s textures have no parameter '%.60s'; it is left out",
                      classes[class].name, ps->p[i].name))
             return false;
     return true;
 }
 
-static bool enter(Reader *r, Place at, char *name, bool colour, Texture *t, uint32_t cost)
+static bool enter(Reader *r, Place at, char *name, bool colour, const Texture *t,
+                  uint32_t cost)
 {
     Names *names = colour ? &r->colour_textures : &r->float_textures;
     NamedTexture entry = { t, cost };
@@ -346,7 +285,7 @@ bool do_texture(Reader *r, Place at)
     Param list[PARAMS_MAX + DEFAULTS_MAX];
     Params ps, all;
     Build b = { r, &all, false, 1 };
-    Texture *t = NULL;
+    const Texture *t = NULL;
     char *name;
     int k;
 
