@@ -147,7 +147,7 @@ uint32_t lab_material(Lab *l, const char *kind, const char *options)
     Opts o;
     const BsdfKind *k = kind_with(l, bsdfs, kind, options, &o);
 
-    material_init(&m, k, &o);
+    REQUIRE(material_init(&m, k, &o, NULL), "material");
     REQUIRE(scene_add_material(l->scene, &m, &index), "memory");
     return index;
 }

@@ -79,6 +79,7 @@ static const struct { const char *kind, *params; } NEEDS[] = {
     { "box", "\"point3 from\" [ -0.6 -0.5 -0.4 ] \"point3 to\" [ 0.6 0.5 0.7 ]" },
     { "lathe", "\"point2 P\" [ 0 0  0.5 0  0.5 0  0.2 0.7  0.6 1.1 ]" },
     { "generated", "\"string kind\" \"hare\" \"integer triangles\" 2000" },
+    { "mix", "\"string materials\" [\"p\" \"q\"]" },
     { "conductor", "\"float roughness\" 0.1" }, { "coateddiffuse", "\"float roughness\" 0.05" },
 };
 
@@ -226,9 +227,11 @@ static void each_accelerator(void)
 
 static void each_material(void)
 {
-    char text[300];
+    char text[500];
     for (size_t k = 0; bsdfs[k]; k++) {
-        snprintf(text, sizeof text, "Material \"%s\" %s\n", bsdfs[k]->info.name,
+        snprintf(text, sizeof text, "MakeNamedMaterial \"p\" \"string type\" \"mirror\"\n"
+                 "MakeNamedMaterial \"q\" \"string type\" \"diffuse\"\n"
+                 "Material \"%s\" %s\n", bsdfs[k]->info.name,
                  needs(bsdfs[k]->info.name));
         write_scene(HEAD, SKY, FLOOR, text, BALL);
         picture("material", bsdfs[k]->info.name, "--spp 8");

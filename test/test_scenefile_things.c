@@ -192,8 +192,24 @@ static void spellings(void)
         { "\"glass\" \"float index\" 1.3 \"color Kt\" [1 0 0]",
           "\"dielectric\" \"rgb transmittance\" [1 0 0] \"float eta\" [1.3]" },
         { "\"dielectric\" \"spectrum eta\" \"glass-BK7\"", "\"dielectric\" \"float eta\" 1.5168" },
-        { "\"metal\" \"float roughness\" .2", "\"conductor\" \"float roughness\" .2" },
-        { "\"metal\"", "\"conductor\" \"float roughness\" .01" },
+        /* The alphas are what version 3's formula gives, worked out by hand. */
+        { "\"metal\" \"float roughness\" .2",
+          "\"conductor\" \"float roughness\" 0.6838364 \"bool remaproughness\" false" },
+        { "\"metal\"",
+          "\"conductor\" \"float roughness\" 0.1389244 \"bool remaproughness\" false" },
+        { "\"metal\" \"float roughness\" .2 \"bool remaproughness\" false",
+          "\"conductor\" \"float roughness\" .2 \"bool remaproughness\" false" },
+        { "\"matte\" \"float sigma\" 0", "\"diffuse\"" },
+        { "\"matte\" \"float Kd\" .2 \"float sigma\" 25",
+          "\"orennayar\" \"float reflectance\" .2 \"float sigma\" 25" },
+        { "\"translucent\" \"rgb Kd\" [.8 .4 .2] \"float transmit\" .25",
+          "\"diffusetransmission\" \"rgb reflectance\" [.4 .2 .1]"
+          "\"rgb transmittance\" [.2 .1 .05]" },
+        { "\"diffusetransmission\" \"float reflectance\" .5 \"float scale\" .5",
+          "\"diffusetransmission\" \"float transmittance\" .125" },
+        { "\"substrate\" \"bool remaproughness\" false",
+          "\"ashikhminshirley\" \"float specular\" .5 \"float roughness\" .1 "
+          "\"bool remaproughness\" false" },
         { "\"conductor\" \"bool remaproughness\" \"false\"",
           "\"conductor\" \"bool remaproughness\" false" },
         { "\"conductor\" \"rgb roughness\" [.1 .2 .6]", "\"conductor\" \"float roughness\" .3" },
@@ -223,12 +239,10 @@ static void spellings(void)
 static void substitutes(void)
 {
     static const struct { const char *type, *kind; } rows[] = {
-        { "plastic", "coateddiffuse" },     { "substrate", "coateddiffuse" },
-        { "uber", "coateddiffuse" },        { "translucent", "diffuse" },
         { "disney", "coateddiffuse" },      { "hair", "diffuse" },
-        { "kdsubsurface", "coateddiffuse" }, { "diffusetransmission", "diffuse" },
+        { "kdsubsurface", "coateddiffuse" },
         { "measured", "diffuse" },          { "fourier", "diffuse" },
-        { "subsurface", "coateddiffuse" },  { "thindielectric", "dielectric" },
+        { "subsurface", "coateddiffuse" },
         { "coatedconductor", "conductor" }, { "nothing like it", "diffuse" },
     };
     messages_nowhere();
@@ -249,6 +263,7 @@ static void substitutes(void)
  * counts. */
 static void interfaces_and_mixtures(void)
 {
+    const Material *all;
     SceneFile f;
 
     messages_nowhere();
@@ -270,13 +285,72 @@ static void interfaces_and_mixtures(void)
     f = scene_of(
         "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mirror\"\n"
         "MakeNamedMaterial \"b\" \"string type\" \"matte\"\n"
-        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .7 Shape \"sphere\"\n"
+        "MakeNamedMaterial \"c\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"] "
+        "\"float amount\" .7\n"
         "Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"\n"
-        "\"rgb amount\" [.7 .7 .7] Shape \"sphere\"",
-        2);
-    EXPECT(scene_shape(&f, 0)->material == 2, "version 4: the amount is of the second");
-    EXPECT(scene_shape(&f, 1)->material == 1, "version 3: the amount is of the first");
+        "\"rgb amount\" [.7 .6 .5] Shape \"sphere\"\n"
+        "Texture \"t\" \"float\" \"checkerboard\"\n"
+        "Material \"mix\" \"string materials\" [\"c\" \"b\"] \"texture amount\" \"t\" "
+        "Shape \"sphere\"",
+        0);
+    all = f.scene->materials;
+    EXPECT(all[3].part[0] == 2 && all[3].part[1] == 1 && all[3].value[0].r == 0.7f,
+           "version 4: the amount is of the second");
+    EXPECT(scene_shape(&f, 0)->material == 4 && all[4].part[0] == 1 && all[4].part[1] == 2 &&
+           all[4].value[0].b == 0.5f, "version 3: the amount is of the first");
+    EXPECT(all[5].part[1] == 3 && all[5].texture[0] && material_size(all, 5) == 5, "nested");
     scenefile_clear(&f);
+}
+
+/* The parts of a mixture come out of the scene as f = a f_1 + (1 - a) f_2, nested too. */
+static void mixtures_shine(void)
+{
+    const Surface s = { .ns = { 0, 0, 1 }, .ng = { 0, 0, 1 } };
+    const V3 wo = { 0.6f, 0, 0.8f }, wi = { 0, 0.6f, 0.8f };
+    SceneFile f = scene_of(
+        "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" .8\n"
+        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"float reflectance\" .2\n"
+        "MakeNamedMaterial \"c\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"] "
+        "\"float amount\" .25\n"
+        "Material \"mix\" \"string materials\" [\"c\" \"b\"] \"float amount\" .5 "
+        "Shape \"sphere\"",
+        0);
+    const Material *m = &f.scene->materials[4];
+    BsdfRoom room;
+    const Bsdf *b;
+
+    for (uint32_t k = 0; k < f.scene->nmaterials; k++)
+        material_settle(f.scene->materials, k);
+    b = material_bsdf(m, &s, &room);
+    EXPECT(fabsf(b->kind->eval(b, wo, wi, false).g * PI_F - 0.425f) < 1e-6f, "f is %g",
+           b->kind->eval(b, wo, wi, false).g * PI_F);
+    EXPECT(b->flags == (BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES) && !m->tangent, "flags");
+    scenefile_clear(&f);
+}
+
+/* A height that grows by 0.3 a unit of u and falls by 0.2 a unit of v tilts the normal against it,
+ * on whichever side of the surface it stands and whichever way (u, v) turn; too steep a bump, or
+ * one where (u, v) are not known, is none. */
+static void bumps(void)
+{
+    static Rgb pixels[16 * 16];
+    const Image im = { 16, 16, pixels };
+    Texture t = { .kind = TEXTURE_IMAGE, .image = &im, .value = { 1, 1, 1 }, .su = 1, .sv = 1 };
+    Material m = { .bump = &t };
+
+    for (int y = 0; y < 16; y++)                /* v runs upwards, rows downwards */
+        for (int x = 0; x < 16; x++)
+            pixels[16 * y + x] = rgb_all(0.3f * (float)x / 16 + 0.2f * (float)y / 16 + 1.0f);
+    for (int k = 0; k < 8; k++) {
+        float up = k & 1 ? -1.0f : 1.0f, su = k & 2 ? -2.0f : 2.0f, sv = k & 4 ? -0.5f : 0.5f;
+        Surface s = { .uv = { 0.4f, 0.6f }, .ns = { 0, 0, up }, .ng = { 0, 0, up },
+                      .dpdu = { su, 0, 0 }, .dpdv = { 0, sv, 0 } };
+        V3 want = v_unit(v3(-0.3f / su, 0.2f / sv, up)), n = material_frame(&m, &s).n;
+        EXPECT(v_len(v_sub(n, want)) < 2e-4f, "normal %d: %g %g %g, not %g %g %g", k, n.x, n.y, n.z,
+               want.x, want.y, want.z);
+        s.dpdu = s.dpdv = v_all(0);
+        EXPECT(v_equal(material_frame(&m, &s).n, s.ns), "a bump without derivatives");
+    }
 }
 
 /* ---- textures ---- */
@@ -415,6 +489,8 @@ const TestCase test_scenefile_things[] = {
     { "spellings", spellings, false },
     { "substitutes", substitutes, false },
     { "interfaces_and_mixtures", interfaces_and_mixtures, false },
+    { "mixtures_shine", mixtures_shine, false },
+    { "bumps", bumps, false },
     { "textures", textures, false },
     { "obj_scene", obj_scene, false },
     { "obj_faults", obj_faults, false },

@@ -1,12 +1,14 @@
 /* bsdf.c -- the list of models. See bsdf.h. */
 #include "bsdf/bsdf.h"
 
-extern const BsdfKind bsdf_diffuse, bsdf_phong, bsdf_mirror, bsdf_dielectric, bsdf_conductor,
-                      bsdf_coateddiffuse;
+extern const BsdfKind bsdf_diffuse, bsdf_orennayar, bsdf_diffusetransmission, bsdf_phong,
+                      bsdf_mirror, bsdf_dielectric, bsdf_thindielectric, bsdf_conductor,
+                      bsdf_coateddiffuse, bsdf_ashikhminshirley;
 
 const BsdfKind *const bsdfs[] = {
-    &bsdf_diffuse, &bsdf_phong, &bsdf_mirror, &bsdf_dielectric, &bsdf_conductor,
-    &bsdf_coateddiffuse, NULL
+    &bsdf_diffuse, &bsdf_orennayar, &bsdf_diffusetransmission, &bsdf_phong, &bsdf_mirror,
+    &bsdf_dielectric, &bsdf_thindielectric, &bsdf_conductor, &bsdf_coateddiffuse,
+    &bsdf_ashikhminshirley, &bsdf_mix, NULL
 };
 
 Rgb bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance)

@@ -44,7 +44,8 @@ typedef struct {
     void (*drop)(void *data);
 
     /* Makes the model at a point out of its parameters, value[k] for option k (numbers in .r), and
-     * what load() made (else NULL), in *b, which has room for any. */
+     * what load() made (else NULL), in *b, which has room for any. b->flags are those of the kind;
+     * what this one cannot do is taken away. Called by bsdf_make. */
     void (*setup)(Bsdf *b, const Rgb *value, const void *data);
 
     /* f(wo, wi) without delta parts. */
@@ -60,6 +61,7 @@ typedef struct {
 
 struct Bsdf {
     const BsdfKind *kind;
+    int flags;                  /* what this one can do */
     union { float number[24]; const void *align; } as;  /* the model's own, see its file */
 };
 
@@ -68,6 +70,16 @@ enum { BSDF_PARTS = 8 };
 typedef struct { Bsdf b[BSDF_PARTS]; } BsdfRoom;
 
 extern const BsdfKind *const bsdfs[];           /* ends with NULL */
+
+INLINE void bsdf_make(Bsdf *b, const BsdfKind *kind, const Rgb *value, const void *data)
+{
+    b->kind = kind;
+    b->flags = kind->flags;
+    kind->setup(b, value, data);
+}
+/* Gives a mixture, made before, its two parts, which are borrowed. Without them it is black. */
+void mix_parts(Bsdf *b, const Bsdf *first, const Bsdf *second);
+extern const BsdfKind bsdf_mix;
 
 INLINE float cos_of(V3 w) { return w.z; }
 INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }

@@ -10,6 +10,9 @@
  *         reflects: by reciprocity 1 - Fi = (1 - Fe) / eta^2, and Tm = 1 - Fe. A white base then
  *         has albedo E + T = 1 exactly: nothing is absorbed.
  *
+ * `specular` takes away from f_coat, as absorption at its surface would. (Other renderers have such
+ * factors.) The base does not get what it takes.
+ *
  * What is approximate: the base sees diffuse light whatever the angles of refraction, and the coat
  * absorbs nothing. For a rough coat E has no closed form; we take a bound of it, E = F(c') with c'
  * from ggx.h, so that the surface never returns more light than it gets. The price is light lost:
@@ -25,6 +28,7 @@ typedef struct {
     float eta;
     float mean;                 /* Tm */
     Ggx   facets;               /* ax = 0: smooth */
+    Rgb   specular;
 } Coated;
 
 static const Coated *of(const Bsdf *b) { return (const Coated *)(const void *)b->as.number; }
@@ -67,8 +71,10 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
     Rgb rho = reflectance_of(value[0]);
 
     (void)data;
+    c->specular = reflectance_of(value[6]);
     c->eta = f_min(f_max(value[1].r, 1.1f), 3.0f);
     ggx_init(&c->facets, value[2].r, value[3].r, value[4].r, value[5].r != 0.0f);
+    b->flags &= ~(is_smooth(c) ? BSDF_TANGENT : ggx_lacks(c->facets));
     c->mean = mean_passing(c);
     c->base = rgb(base_of(c, rho.r), base_of(c, rho.g), base_of(c, rho.b));
 }
@@ -79,8 +85,12 @@ static Rgb base_albedo(const Coated *c, float E)
     return rgb_scale(c->base, PI_F * (1.0f - E) * c->mean);
 }
 
-/* Probability of sampling the coat: its part of the albedo. E is never 0. */
-static float coat_share(const Coated *c, float E) { return E / (E + rgb_lum(base_albedo(c, E))); }
+/* Probability of sampling the coat: its part of the albedo, E of which is never 0. */
+static float coat_share(const Coated *c, float E)
+{
+    float coat = E * f_max(rgb_lum(c->specular), 1e-3f);
+    return coat / (coat + rgb_lum(base_albedo(c, E)));
+}
 
 /* For directions above the surface; E is coat_albedo(wo). */
 static Rgb f_of(const Coated *c, V3 wo, V3 wi, float E)
@@ -88,8 +98,8 @@ static Rgb f_of(const Coated *c, V3 wo, V3 wi, float E)
     Rgb f = rgb_scale(c->base, (1.0f - E) * (1.0f - coat_albedo(c, wi)));
     if (is_smooth(c))
         return f;
-    return rgb_add(f, rgb_all((float)fresnel_dielectric(ggx_cos(wo, wi), c->eta) *
-                              ggx_f(c->facets, wo, wi)));
+    return rgb_add(f, rgb_scale(c->specular, (float)fresnel_dielectric(ggx_cos(wo, wi), c->eta) *
+                                             ggx_f(c->facets, wo, wi)));
 }
 
 static float pdf_of(const Coated *c, V3 wo, V3 wi, float share)
@@ -125,7 +135,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     s->eta = 1.0f;
     if (lobe < share && is_smooth(c)) {
         s->wi = mirror_z(wo);
-        s->weight = rgb_all(E / share);
+        s->weight = rgb_scale(c->specular, E / share);
         s->pdf_w = 0.0f;
         s->flags = BSDF_REFLECT | BSDF_SPECULAR;
         return wo.z != 0.0f;
@@ -146,7 +156,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
 static Rgb albedo(const Bsdf *b, V3 wo)
 {
     float E = coat_albedo(of(b), wo);
-    return rgb_add(rgb_all(E), base_albedo(of(b), E));
+    return rgb_add(rgb_scale(of(b)->specular, E), base_albedo(of(b), E));
 }
 
 static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
@@ -168,12 +178,15 @@ static const OptDef options[] = {
       .help = "along the second tangent; below 0: as roughness" },
     { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
       .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    { .key = "specular", .type = OPT_RGB, .num = 1, .lo = 0, .hi = 1, .also = "Ks",
+      .help = "tint of what the coat reflects" },
     { .key = NULL }
 };
 
 const BsdfKind bsdf_coateddiffuse = {
     .info = { "coateddiffuse", "Ashikhmin00; Kelemen01; Walter07; Heitz18",
               "matt under a clear coat: plastic, pottery, varnish", options },
-    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES,
+    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES |
+             BSDF_TANGENT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

@@ -45,6 +45,7 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
 
     (void)data;
     ggx_init(&c->facets, value[0].r, value[1].r, value[2].r, value[3].r != 0.0f);
+    b->flags &= ~ggx_lacks(c->facets);
     c->eta = index_of(value[4], rgb(0.2004f, 0.9240f, 1.1022f));                /* copper */
     c->k = index_of(value[5], rgb(3.9129f, 2.4528f, 2.1421f));
     if (reflectance.r >= 0.0f) {
@@ -133,6 +134,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_conductor = {
     .info = { "conductor", "Walter07; Heitz14 5.3; Heitz18; Cline07 5.2.2",
               "metal, polished or rough", options },
-    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH,
+    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_TANGENT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

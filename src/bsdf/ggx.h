@@ -16,6 +16,7 @@
 #include "base/maths.h"
 #include "base/platform.h"
 #include "base/vec.h"
+#include "bsdf/bsdf.h"
 #include "sampling/warp.h"
 
 #include <stdbool.h>
@@ -44,6 +45,12 @@ INLINE bool ggx_init(Ggx *g, float roughness, float u, float v, bool remap)
     return true;
 }
 
+/* Which of the flags of bsdf.h do not hold for these facets. */
+INLINE int ggx_lacks(Ggx g)
+{
+    return (g.ax == 0.0f ? BSDF_SMOOTH : BSDF_SPECULAR) | (g.ax == g.ay ? BSDF_TANGENT : 0);
+}
+
 INLINE float ggx_s(Ggx g, V3 w)
 {
     return sqrtf(w.z * w.z + f_sqr(g.ax * w.x) + f_sqr(g.ay * w.y));
@@ -55,15 +62,20 @@ INLINE double ggx_unit(V3 w)
     return 1.5 - 0.5 * ((double)w.x * w.x + (double)w.y * w.y + (double)w.z * w.z);
 }
 
+/* D of the direction of (x, y, z), z > 0. */
+INLINE float ggx_d_along(Ggx g, double x, double y, double z)
+{
+    double p = x / g.ax, q = y / g.ay, r = (x * x + y * y + z * z) / (z * z + p * p + q * q);
+    return z > 1e-30 ? (float)(r * r) * INV_PI / (g.ax * g.ay) : 0.0f;
+}
+
 /* D of the half vector h. Near the horizon the two directions all but cancel in h, and a rounding
  * of either's length would turn it: at 0.1 degrees and alpha 0.02 by enough to lose a thousandth
  * of D. So both are made unit again, in double. */
 INLINE float ggx_d(Ggx g, V3 wo, V3 wi)
 {
     double a = ggx_unit(wo), b = ggx_unit(wi);
-    double x = a * wo.x + b * wi.x, y = a * wo.y + b * wi.y, z = a * wo.z + b * wi.z;
-    double p = x / g.ax, q = y / g.ay, r = (x * x + y * y + z * z) / (z * z + p * p + q * q);
-    return z > 1e-30 ? (float)(r * r) * INV_PI / (g.ax * g.ay) : 0.0f;
+    return ggx_d_along(g, a * wo.x + b * wi.x, a * wo.y + b * wi.y, a * wo.z + b * wi.z);
 }
 
 INLINE float ggx_f(Ggx g, V3 wo, V3 wi)

@@ -47,14 +47,15 @@ bool ply_write(const Mesh *m, const char *path);
 
 /* A material as an MTL file gives it; `at` says where (its file is the path given, borrowed).
  * Colours linear as written. What is not
- * given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1. Strings belong to the MtlFile and are
- * never NULL; map names are as written, relative to the MTL file. */
+ * given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1; bump 1. Strings belong to the MtlFile and
+ * are never NULL; map names are as written, relative to the MTL file. */
 typedef struct {
     const char *name;
     const char *map_kd, *map_d, *map_bump;              /* "" if none */
     Place at;
     Rgb   kd, ks, ke, tf;
     float ns, ni, d;
+    float bump;                 /* option -bm of map_bump: multiplies the heights */
     signed char illum;          /* -1: not given */
     bool  has_kd, has_ks, has_ke;
 } MtlMaterial;

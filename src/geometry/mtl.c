@@ -4,7 +4,7 @@
  *
  * Keywords are taken in any case. Colours are RGB; those given as `spectral` or `xyz` are left out
  * with a warning. Tr is read as 1 - d, and gives way to d where a material has both, because
- * exporters disagree about Tr and agree about d. Options of maps are read over. */
+ * exporters disagree about Tr and agree about d. Options of maps are read over, but -bm. */
 #include "geometry/mesh.h"
 
 #include "base/number.h"
@@ -163,6 +163,18 @@ static void skip_option(Text *t, int k)
     }
 }
 
+/* The number of -bm, which skip_option will read over; 1 if it is none. */
+static void read_multiplier(Mtl *r)
+{
+    Text back = r->t;
+    Word w = obj_word(&r->t);
+    float v;
+
+    if (number_float(w.s, w.s + w.n, &v) == w.n && w.n && is_finite(v))
+        r->m->bump = v;
+    r->t = back;
+}
+
 static bool read_map(Mtl *r, const Statement *s)
 {
     Word name;
@@ -175,6 +187,8 @@ static bool read_map(Mtl *r, const Statement *s)
         while (options[k].name && !word_is_nocase(w, options[k].name))
             k++;
         if (options[k].name) {
+            if (!strcmp(options[k].name, "-bm") && s->field == FIELD(map_bump))
+                read_multiplier(r);
             skip_option(&r->t, k);
             continue;
         }
@@ -225,7 +239,7 @@ static bool read_statement(Mtl *r, Word w)
 static bool begin_material(Mtl *r, Place at)
 {
     static const MtlMaterial fresh = { .map_kd = "", .map_d = "", .map_bump = "", .tf = { 1, 1, 1 },
-                                       .ni = 1.0f, .d = 1.0f, .illum = -1 };
+                                       .bump = 1.0f, .ni = 1.0f, .d = 1.0f, .illum = -1 };
     Word name = obj_rest(&r->t);
 
     if (!name.n)

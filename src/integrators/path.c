@@ -243,9 +243,9 @@ static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame
     BsdfSample bs;
     V3 wi;
 
-    if (b->kind->flags & BSDF_LOBES)
+    if (b->flags & BSDF_LOBES)
         lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, e->depth));
-    if (b->kind->flags & BSDF_SMOOTH)
+    if (b->flags & BSDF_SMOOTH)
         u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, e->depth));
     if (!b->kind->sample(b, wo, lobe, u, false, &bs))
         return false;
@@ -318,7 +318,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             const Bsdf *b = material_bsdf(m, &s, &room);
             Frame frame = material_frame(m, &s);
             V3 wo = frame_in(&frame, v_neg(e.ray.d));
-            connects = it->ways != IMPLICIT && (b->kind->flags & BSDF_SMOOTH) &&
+            connects = it->ways != IMPLICIT && (b->flags & BSDF_SMOOTH) &&
                        connect(it, &e, &s, &frame, b, wo, t, &to);
             goes_on = scatter(it, &e, &s, &frame, b, wo, t);
         } else {

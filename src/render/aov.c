@@ -75,6 +75,13 @@ bool aov_needs_hit(const Aov *a, int n)
     return false;
 }
 
+/* The shading normal, bumps included. */
+static Rgb normal_at(const Tracer *t, const Surface *s)
+{
+    V3 n = material_frame(&t->scene->materials[s->shape->material], s).n;
+    return rgb(n.x, n.y, n.z);
+}
+
 static Rgb albedo_at(const Tracer *t, const Ray *r, const Surface *s)
 {
     const Material *m = &t->scene->materials[s->shape->material];
@@ -98,7 +105,7 @@ void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values)
     for (int i = 0; i < n; i++) {
         values[i] = rgb_all(0.0f);
         switch (a[i].kind) {
-        case AOV_NORMAL:   if (hit) values[i] = rgb(s.ns.x, s.ns.y, s.ns.z); break;
+        case AOV_NORMAL:   if (hit) values[i] = normal_at(t, &s); break;
         case AOV_DEPTH:    if (hit) values[i] = rgb_all(h.t); break;
         case AOV_ALBEDO:   if (hit) values[i] = albedo_at(t, r, &s); break;
         case AOV_LENGTH:   values[i] = t->tally->length[a[i].which]; break;

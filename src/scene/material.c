@@ -1,9 +1,21 @@
-/* material.c -- a BSDF model and where its parameters come from. See scene.h. */
+/* material.c -- a BSDF model and where its parameters come from, bumps included. See scene.h.
+ *
+ * Bumps   [Blinn78]: a surface p(u, v) displaced by d along its normal n has
+ *           p'_u = p_u + d_u n, p'_v = p_v + d_v n (d n_u and d n_v are left out, as d is small),
+ *         so that its normal lies along
+ *           N' = |N| n + s (d_u (n x p_v) - d_v (n x p_u)),  N = p_u x p_v,
+ *         where s = +-1 says on which side of n the vector N is. d_u and d_v are differences of
+ *         the texture to both sides.
+ *
+ * Shading normals that geometry does not have are known to go wrong; what is done about it: the
+ * normal stays on the side of the geometric one, or it is left as it was. It does not depend on
+ * where the eye is, so that all ways of making a path agree on it. Where the eye sees a bump's back
+ * side, light is taken from behind the surface, which is dark: such spots are left dark. */
 #include "scene/scene.h"
 
 #include <string.h>
 
-void material_init(Material *m, const BsdfKind *kind, const Opts *o)
+bool material_init(Material *m, const BsdfKind *kind, const Opts *o, const BsdfFiles *files)
 {
     memset(m, 0, sizeof *m);
     m->kind = kind;
@@ -13,20 +25,134 @@ void material_init(Material *m, const BsdfKind *kind, const Opts *o)
         m->value[i] = kind->info.options[i].type == OPT_RGB ? v->rgb : rgb_all((float)v->num);
         m->nvalues = i + 1;
     }
+    return !kind->load || kind->load(o, files, &m->data);
+}
+
+void material_clear(Material *m)
+{
+    if (m->kind->drop && m->data && !m->borrows)
+        m->kind->drop(m->data);
+    m->data = NULL;
+}
+
+/* ---- mixtures and frames ---- */
+
+int material_size(const Material *all, uint32_t index)
+{
+    const Material *m = &all[index];
+    if (m->kind != &bsdf_mix)
+        return 1;
+    return 1 + material_size(all, m->part[0]) + material_size(all, m->part[1]);
+}
+
+/* Whether the model may differ along the tangents. Textures that are not the same stand for numbers
+ * that are not. */
+static bool wants_tangent(const Material *m)
+{
+    Rgb value[OPT_MAX];
+    Bsdf b;
+
+    if (m->kind == &bsdf_mix)
+        return m->mixed[0]->tangent || m->mixed[1]->tangent;
+    for (int i = 0; i < m->nvalues; i++) {
+        int same = 0;
+        value[i] = m->value[i];
+        while (m->texture[i] && m->texture[same] != m->texture[i])
+            same++;
+        if (m->texture[i])
+            value[i] = rgb_all(0.3f + 0.02f * (float)same);
+    }
+    bsdf_make(&b, m->kind, value, m->data);
+    return (b.flags & BSDF_TANGENT) != 0;
+}
+
+void material_settle(Material *all, uint32_t index)
+{
+    Material *m = &all[index];
+
+    m->looks_at_uv = m->textured || m->opacity || m->bump;
+    for (int k = 0; k < 2 && m->kind == &bsdf_mix; k++) {
+        ASSERT(m->part[k] < index);             /* settled before */
+        m->mixed[k] = &all[m->part[k]];
+        m->looks_at_uv = m->looks_at_uv || m->mixed[k]->looks_at_uv;
+    }
+    m->tangent = (m->kind->flags & BSDF_TANGENT) && wants_tangent(m);
+    m->looks_at_uv = m->looks_at_uv || m->tangent;
+}
+
+/* ---- the model at a point ---- */
+
+/* Makes the model in *b; parts of mixtures take what follows *free. */
+static void make(const Material *m, const Surface *s, Bsdf *b, Bsdf **free)
+{
+    Rgb value[OPT_MAX];
+
+    if (LIKELY(!m->textured))
+        bsdf_make(b, m->kind, m->value, m->data);
+    else {
+        for (int i = 0; i < m->nvalues; i++)
+            value[i] = m->texture[i] ? texture_eval(m->texture[i], s) : m->value[i];
+        bsdf_make(b, m->kind, value, m->data);
+    }
+    if (m->mixed[0]) {
+        Bsdf *first = (*free)++, *second = (*free)++;
+        make(m->mixed[0], s, first, free);
+        make(m->mixed[1], s, second, free);
+        mix_parts(b, first, second);
+    }
 }
 
 const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room)
 {
-    Rgb value[OPT_MAX];
-    Bsdf *b = &room->b[0];
+    Bsdf *free = &room->b[1];
+    make(m, s, &room->b[0], &free);
+    return &room->b[0];
+}
 
-    b->kind = m->kind;
-    if (LIKELY(!m->textured)) {
-        m->kind->setup(b, m->value, m->data);
-        return b;
-    }
-    for (int i = 0; i < m->nvalues; i++)
-        value[i] = m->texture[i] ? texture_eval(m->texture[i], s) : m->value[i];
-    m->kind->setup(b, value, m->data);
-    return b;
+/* ---- bumps ---- */
+
+/* The texture where (u, v) is off by so much, and p with it. */
+static float displaced(const Texture *t, const Surface *s, float du, float dv)
+{
+    Surface there = *s;
+    Rgb d;
+
+    there.uv.x += du;
+    there.uv.y += dv;
+    there.p = v_mad(s->dpdu, du, v_mad(s->dpdv, dv, s->p));
+    d = texture_eval(t, &there);
+    return (d.r + d.g + d.b) / 3.0f;
+}
+
+/* How far to either side: half of what the beam covers, or less than half a pixel of a picture
+ * of 1024 across, and never so little that (u, v) has not the digits. */
+static float step_of(const Surface *s, V3 along, float at)
+{
+    float length = v_len(along), least = f_max(0.00025f, fabsf(at) * 0x1p-12f);
+    return length > 0.0f ? f_max(least, 0.5f * s->width / length) : least;
+}
+
+static V3 bumped_normal(const Material *m, const Surface *s)
+{
+    float hu = step_of(s, s->dpdu, s->uv.x), hv = step_of(s, s->dpdv, s->uv.y), size, slope_u;
+    float slope_v;
+    V3 N = v_cross(s->dpdu, s->dpdv), n;
+
+    size = v_len(N);
+    slope_u = (displaced(m->bump, s, hu, 0.0f) - displaced(m->bump, s, -hu, 0.0f)) / (2.0f * hu);
+    slope_v = (displaced(m->bump, s, 0.0f, hv) - displaced(m->bump, s, 0.0f, -hv)) / (2.0f * hv);
+    if (v_dot(N, s->ns) < 0.0f)
+        size = -size;                           /* s N' instead of N', which v_unit takes out */
+    n = v_sub(v_scale(v_cross(s->ns, s->dpdv), slope_u),
+              v_scale(v_cross(s->ns, s->dpdu), slope_v));
+    n = v_unit(v_mad(s->ns, size, n));
+    if (size < 0.0f)
+        n = v_neg(n);
+    return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
+}
+
+Frame material_frame_bumped(const Material *m, const Surface *s)
+{
+    V3 n = bumped_normal(m, s);
+    return m->tangent ? frame_along(n, s->dpdu) : frame_about(n);
 }

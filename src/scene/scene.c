@@ -13,7 +13,8 @@ static bool add_neutral(Scene *s)
     Opts o;
 
     opts_default(&o, kind->info.options);
-    material_init(&m, kind, &o);
+    if (!material_init(&m, kind, &o, NULL))
+        return false;
     m.name = "neutral";
     return scene_add_material(s, &m, NULL);
 }
@@ -57,8 +58,7 @@ void scene_free(Scene *s)
     }
     mem_free(s->geometries);
     for (size_t i = 0; i < s->nmaterials; i++)
-        if (s->materials[i].kind->drop && !s->materials[i].borrows)
-            s->materials[i].kind->drop(s->materials[i].data);
+        material_clear(&s->materials[i]);
     mem_free(s->materials);
     mem_free(s->lights);
     mem_free(s->media);
@@ -179,12 +179,6 @@ static Box bounds_of(const Geometry *g)
     return b;
 }
 
-/* Nothing of it looks at (u, v). */
-static bool is_plain(const Material *m)
-{
-    return !m->textured && !m->opacity && !(m->kind->flags & BSDF_TANGENT);
-}
-
 static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts *o, int threads)
 {
     Geometry *g = &s->geometries[k];
@@ -193,7 +187,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
         Instance *in = &g->shapes[i].as.instance;
-        g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]) &&
+        g->shapes[i].plain = !s->materials[g->shapes[i].material].looks_at_uv &&
                              !(g->shapes[i].light != NO_LIGHT &&
                                s->lights[g->shapes[i].light]->textured);
         s->see_through |= s->materials[g->shapes[i].material].opacity != NULL;
@@ -239,6 +233,8 @@ static bool prepare_lights(Scene *s)
 bool scene_build_accels(Scene *s, const AccelKind *kind, const Opts *o, int threads)
 {
     scene_drop_accels(s);
+    for (size_t i = 0; i < s->nmaterials; i++)
+        material_settle(s->materials, (uint32_t)i);
     s->accels = MEM_ARRAY(Accel *, s->ngeometries);
     if (!s->accels)
         return false;

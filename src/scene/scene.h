@@ -16,7 +16,7 @@ typedef struct Scene Scene;
 
 /* ---- materials ---- */
 
-typedef struct {
+typedef struct Material {
     const BsdfKind *kind;
     const char *name;                           /* borrowed from the scene's arena; "" if none */
     Rgb value[OPT_MAX];                         /* by option of the kind */
@@ -24,17 +24,33 @@ typedef struct {
     int  nvalues;
     bool textured;                              /* any texture that is not NULL */
     const Texture *opacity;                     /* NULL: 1; where it is 0, rays pass */
+    const Texture *bump;                        /* NULL: none; height along the shading normal */
     void *data;                                 /* what the kind's load() made, or NULL */
     bool borrows;                               /* data is another material's; else it is owned */
+    uint32_t part[2];                           /* of a mix: materials added before this one */
+    const struct Material *mixed[2];            /* the same, borrowed; set by scene_build */
+    bool tangent;                               /* set by scene_build: the frame follows dpdu, */
+    bool looks_at_uv;                           /* and uv and its derivatives matter */
 } Material;
 
-void material_init(Material *m, const BsdfKind *kind, const Opts *o);   /* constants from o */
+/* Constants from o, and what the model loads from files (NULL: no names of files are in o). False:
+ * reported. Before scene_add_material has taken it over, its owner clears it. */
+bool material_init(Material *m, const BsdfKind *kind, const Opts *o, const BsdfFiles *files);
+void material_clear(Material *m);
+/* How many models the material is made of at a point: at most BSDF_PARTS may be. */
+int  material_size(const Material *all, uint32_t index);
+/* Fills in what scene_build sets. Those before it have been settled. */
+void material_settle(Material *all, uint32_t index);
 /* The model at a point, in *room, which is returned. */
 const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room);
-/* The local frame in which the model's directions are given. */
+/* The local frame in which the model's directions are given: about the shading normal, which a bump
+ * map turns. */
+Frame material_frame_bumped(const Material *m, const Surface *s);
 static inline Frame material_frame(const Material *m, const Surface *s)
 {
-    return m->kind->flags & BSDF_TANGENT ? frame_along(s->ns, s->dpdu) : frame_about(s->ns);
+    if (UNLIKELY(m->bump != NULL))
+        return material_frame_bumped(m, s);
+    return m->tangent ? frame_along(s->ns, s->dpdu) : frame_about(s->ns);
 }
 
 /* ---- making things out of options ---- */

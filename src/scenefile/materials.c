@@ -1,9 +1,14 @@
 /* materials.c -- Material, MakeNamedMaterial and NamedMaterial. A name that is a model of bsdf/ is
  * that model, with its own table of parameters; other names of the language stand in the table
- * below with the nearest model.
+ * below with the model that they mean, or with a warning the nearest one.
  *
- * "", "none" and "interface" mark surfaces that only separate media, see surfaces.c. A mixture
- * is replaced by the part that weighs more. */
+ * What stands for what, where that is not plain: plastic and uber are a matt base under a coat, the
+ * coat scaled by Ks, so that they keep energy; substrate is the Fresnel blend of Ashikhmin and
+ * Shirley with exponents as wide as the roughness asks for; of translucent only the matt part is
+ * there. Roughness of version 3 becomes the alpha of facets by its own formula, as long as no
+ * texture gives it.
+ *
+ * "", "none" and "interface" mark surfaces that only separate media, see surfaces.c. */
 #include "scenefile/reader.h"
 
 #include <string.h>
@@ -12,38 +17,40 @@ enum { MATERIAL_PARAMS = PARAMS_MAX + DEFAULTS_MAX + 8 };
 
 typedef struct { const char *from, *to; } Rename;
 typedef struct { const char *name; double value; } Preset;
+typedef enum { STAND_IN, MEANT, MEANT_V3 } Match;      /* how well the model fits the name */
 
 typedef struct {
     const char *name, *kind;
-    bool   exact;               /* the model is what the name means: nothing to warn of */
+    Match  match;               /* STAND_IN: warned of; V3: roughness is that of version 3 */
     Rename renames[6];          /* where the model's table does not know the old names itself */
     Preset presets[3];          /* what the language says where a parameter is not given */
 } Alias;
 
 static const Alias aliases[] = {
-    { "matte", "diffuse", true, { { "Kd", "reflectance" } }, { { "reflectance", 0.5 } } },
-    { "glass", "dielectric", true,
+    { "matte", "diffuse", MEANT, { { "Kd", "reflectance" } }, { { "reflectance", 0.5 } } },
+    { "glass", "dielectric", MEANT_V3,
       { { "Kr", "reflectance" }, { "Kt", "transmittance" }, { "index", "eta" } },
       { { "eta", 1.5 } } },
-    { "metal", "conductor", true, { { NULL, NULL } }, { { "roughness", 0.01 } } },
-    { "thindielectric", "dielectric", false, { { "index", "eta" } }, { { "eta", 1.5 } } },
-    { "plastic", "coateddiffuse", false, { { "Kd", "reflectance" } },
-      { { "reflectance", 0.25 }, { "roughness", 0.1 } } },
-    { "substrate", "coateddiffuse", false, { { "Kd", "reflectance" } },
-      { { "reflectance", 0.5 }, { "roughness", 0.1 } } },
-    { "uber", "coateddiffuse", false, { { "Kd", "reflectance" }, { "index", "eta" } },
-      { { "reflectance", 0.25 }, { "roughness", 0.1 } } },
-    { "disney", "coateddiffuse", false, { { "color", "reflectance" } },
+    { "metal", "conductor", MEANT_V3, { { NULL, NULL } }, { { "roughness", 0.01 } } },
+    { "plastic", "coateddiffuse", MEANT_V3, { { "Kd", "reflectance" }, { "Ks", "specular" } },
+      { { "reflectance", 0.25 }, { "specular", 0.25 }, { "roughness", 0.1 } } },
+    { "substrate", "ashikhminshirley", MEANT_V3,
+      { { "Kd", "reflectance" }, { "Ks", "specular" } },
+      { { "reflectance", 0.5 }, { "specular", 0.5 }, { "roughness", 0.1 } } },
+    { "uber", "coateddiffuse", MEANT_V3,
+      { { "Kd", "reflectance" }, { "Ks", "specular" }, { "index", "eta" } },
+      { { "reflectance", 0.25 }, { "specular", 0.25 }, { "roughness", 0.1 } } },
+    { "translucent", "diffusetransmission", MEANT, { { "Kd", "reflectance" } },
+      { { "reflectance", 0.25 } } },
+    { "disney", "coateddiffuse", STAND_IN, { { "color", "reflectance" } },
       { { "reflectance", 0.5 }, { "roughness", 0.5 } } },
-    { "kdsubsurface", "coateddiffuse", false, { { "Kd", "reflectance" } },
+    { "kdsubsurface", "coateddiffuse", STAND_IN, { { "Kd", "reflectance" } },
       { { "reflectance", 0.5 } } },
-    { "subsurface", "coateddiffuse", false, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
-    { "translucent", "diffuse", false, { { "Kd", "reflectance" } }, { { "reflectance", 0.25 } } },
-    { "diffusetransmission", "diffuse", false, { { NULL, NULL } }, { { "reflectance", 0.25 } } },
-    { "hair", "diffuse", false, { { "color", "reflectance" } }, { { "reflectance", 0.3 } } },
-    { "measured", "diffuse", false, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
-    { "fourier", "diffuse", false, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
-    { "coatedconductor", "conductor", false,
+    { "subsurface", "coateddiffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
+    { "hair", "diffuse", STAND_IN, { { "color", "reflectance" } }, { { "reflectance", 0.3 } } },
+    { "measured", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
+    { "fourier", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
+    { "coatedconductor", "conductor", STAND_IN,
       { { "conductor.eta", "eta" }, { "conductor.k", "k" }, { "conductor.roughness", "roughness" },
         { "conductor.uroughness", "uroughness" }, { "conductor.vroughness", "vroughness" } },
       { { NULL, 0 } } },
@@ -111,47 +118,92 @@ static void apply_alias(List *l, const Alias *a, const BsdfKind *kind)
             add_number(l, a->presets[i].name, &a->presets[i].value, 1);
 }
 
-/* ---- making one ---- */
+/* ---- roughness of version 3 ---- */
 
-/* Textures where the table wants numbers: options of colour and of number take them. */
-static bool set_textures(Reader *r, Material *m, const Opts *o)
+/* alpha of a roughness: a fit that version 3 makes in the logarithm. */
+static double alpha_of(double roughness)
 {
-    for (int i = 0; i < m->nvalues; i++) {
-        const Param *p = o->value[i].param;
-        OptType type = o->defs[i].type;
-        const Texture *t;
-        if (!p || p->kind != PARAM_TEXTURE)
-            continue;
-        if ((type != OPT_RGB && type != OPT_FLOAT) || p->n != 1)
-            return err_at(p->at, "\"%s\" is not right, a texture cannot give it", p->name);
-        if (!texture_find(r, p->at, p->strings[0], type == OPT_RGB, &t))
-            return false;
-        if (t && t->kind == TEXTURE_CONSTANT)
-            m->value[i] = t->value;
-        else if (t) {
-            m->texture[i] = t;
-            m->textured = true;
-        }
-    }
-    return true;
+    double x = md_log(roughness < 1e-3 ? 1e-3 : roughness);
+    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));
 }
 
-static bool build(Reader *r, const BsdfKind *kind, const char *what, List *l, const char *name,
-                  uint32_t *index)
+/* Numbers become alphas, unless a texture gives one of them or the file says that they are. */
+static void apply_remap(List *l, bool zero_is_smooth)
+{
+    static const char *const names[3] = { "roughness", "uroughness", "vroughness" };
+    static const double no = 0;
+    Param *remap = find_param(l, "remaproughness"), *p;
+
+    if (remap && (remap->kind != PARAM_BOOL || remap->n != 1 || remap->numbers[0] == 0))
+        return;
+    for (int i = 0; i < 3; i++)
+        if ((p = find_param(l, names[i])) &&
+            ((p->kind != PARAM_FLOAT && p->kind != PARAM_INT) || p->n != 1))
+            return;
+    if (!find_param(l, names[0]) && !find_param(l, names[1]) && !find_param(l, names[2]))
+        return;
+    for (int i = 0; i < 3; i++)
+        if ((p = find_param(l, names[i])) && !(zero_is_smooth && p->numbers[0] == 0) &&
+            p->numbers[0] >= 0 && p->numbers[0] <= 1) {
+            double *own = l->number[p - l->p];
+            own[0] = d_min(alpha_of(p->numbers[0]), 1);
+            p->numbers = own;
+            p->kind = PARAM_FLOAT;
+        }
+    if (!remap) {
+        add_number(l, "remaproughness", &no, 1);
+        remap = &l->p[l->n - 1];
+        remap->type = "bool";
+        remap->kind = PARAM_BOOL;
+    }
+    remap->numbers = l->number[remap - l->p];
+    l->number[remap - l->p][0] = 0;
+}
+
+/* ---- making one ---- */
+
+/* The material without its place in the scene. The caller clears it, also after a failure. */
+static bool fill(Reader *r, Place at, const BsdfKind *kind, const char *what, List *l, Material *m)
 {
     double room[MATERIAL_PARAMS][3];
     Params ps = { l->p, l->n };
-    Material m;
+    const char *file;
+    BsdfFiles files;
+    Making making;
     Opts o;
 
+    material_extras_known(&ps, what);
     params_fit(&ps, kind->info.options, room);
     opts_default(&o, kind->info.options);
-    if (!opts_params(&o, what, &ps))
+    if (!opts_params(&o, what, &ps) || !params_string(&ps, "filename", NULL, &file) ||
+        !reader_making(r, at, file, &making))
         return false;
+    files.beside = making.at.file;
+    files.max_file = making.max_file;
+    return material_init(m, kind, &o, &files) && material_textures(r, m, &o) &&
+           material_extras(r, what, &ps, m);
+}
+
+/* part: the materials that are mixed, or NULL. */
+static bool build(Reader *r, Place at, const BsdfKind *kind, const char *what, List *l,
+                  const char *name, const uint32_t *part, uint32_t *index)
+{
+    Material m;
+
     memset(&m, 0, sizeof m);
-    material_init(&m, kind, &o);
-    m.name = arena_string(&r->scene->arena, name, strlen(name));
-    return m.name && set_textures(r, &m, &o) && scene_add_material(r->scene, &m, index);
+    m.kind = kind;                              /* so that it can be cleared */
+    if (fill(r, at, kind, what, l, &m) &&
+        (m.name = arena_string(&r->scene->arena, name, strlen(name)))) {
+        for (int k = 0; part && k < 2; k++) {
+            const Material *of = &r->scene->materials[part[k]];
+            m.part[k] = part[k];
+            m.bump = m.bump ? m.bump : of->bump;        /* one frame for both */
+        }
+        if (scene_add_material(r->scene, &m, index))
+            return true;
+    }
+    material_clear(&m);
+    return false;
 }
 
 static bool unknown_material(Place at, const char *type)
@@ -168,31 +220,47 @@ static bool unknown_material(Place at, const char *type)
                    near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-/* The named material of a mixture that weighs more, or the neutral one. */
-static bool mixture(Reader *r, Place at, const Params *ps, uint32_t *index)
+/* A material to be mixed, by its name; the neutral one after a warning. */
+static bool mixed(Reader *r, Place at, const char *name, uint32_t *index)
 {
-    const Param *list = params_find(ps, "materials", NULL);
-    const Param *amount = params_find(ps, "amount", NULL);
-    const char *name[2] = { NULL, NULL };
-    bool v4 = list && list->kind == PARAM_STRING && list->n == 2, second;
-    double k = 0.5;
+    uint32_t i = name ? names_find(&r->materials, name) : NAME_NONE;
+    const char *near = name ? names_nearest(&r->materials, name) : NULL;
 
-    if (v4) {
-        name[0] = list->strings[0];
-        name[1] = list->strings[1];
-    } else if (!params_string(ps, "namedmaterial1", NULL, &name[0]) ||
-               !params_string(ps, "namedmaterial2", NULL, &name[1]))
+    *index = i == NAME_NONE || i == MATERIAL_NONE ? 0 : i;
+    if (i == MATERIAL_NONE)
+        return warn_at(at, "'%.80s' is not seen, cannot be mixed; the neutral one is used", name);
+    return i != NAME_NONE ||
+           warn_at(at, "no material is called '%.80s'%s%s%s; the neutral one is used",
+                   name ? name : "", near ? ", did you mean '" : "", near ? near : "",
+                   near ? "'?" : "");
+}
+
+/* Version 3 names namedmaterial1 and 2 and weighs the first by `amount`, version 4 has a list and
+ * weighs the second. */
+static bool mixture(Reader *r, Place at, List *l, const char *name, uint32_t *index)
+{
+    Params ps = { l->p, l->n };
+    const Param *list = params_find(&ps, "materials", NULL);
+    const char *names[2] = { NULL, NULL };
+    const Material *all;
+    uint32_t part[2];
+
+    if (list && list->kind == PARAM_STRING && list->n == 2) {
+        names[0] = list->strings[1];
+        names[1] = list->strings[0];
+    } else if (list)
+        return err_at(list->at, "\"materials\" is not right, expected two strings");
+    else if (!params_string(&ps, "namedmaterial1", NULL, &names[0]) ||
+             !params_string(&ps, "namedmaterial2", NULL, &names[1]))
         return false;
-    if (amount && amount->kind == PARAM_FLOAT)
-        k = amount->n == 3 ? (amount->numbers[0] + amount->numbers[1] + amount->numbers[2]) / 3
-                           : amount->numbers[0];
-    second = v4 ? k > 0.5 : k < 0.5;            /* version 3 weighs the first by `amount` */
-    *index = name[second] ? names_find(&r->materials, name[second]) : NAME_NONE;
-    if (*index == NAME_NONE) {
-        *index = 0;
-        return warn_at(at, "mixed materials are not supported; the neutral one is used");
-    }
-    return warn_at(at, "mixed materials are not supported; '%.80s' is used", name[second]);
+    if (!mixed(r, at, names[0], &part[0]) || !mixed(r, at, names[1], &part[1]))
+        return false;
+    all = r->scene->materials;
+    *index = part[0];
+    if (1 + material_size(all, part[0]) + material_size(all, part[1]) > BSDF_PARTS)
+        return warn_at(at, "a mixture of more than %d models, mixtures counted; '%.80s' is used",
+                       BSDF_PARTS, names[0] ? names[0] : "");
+    return build(r, at, &bsdf_mix, "mix", l, name, part, index);
 }
 
 static bool is_interface(const char *type)
@@ -200,10 +268,29 @@ static bool is_interface(const char *type)
     return !*type || !strcmp(type, "none") || !strcmp(type, "interface");
 }
 
-static const BsdfKind *find_model(const char *type, const Alias **alias)
+/* A parameter that is there and not 0. */
+static bool is_given(const Params *ps, const char *name)
+{
+    const Param *p = params_find(ps, name, NULL);
+    return p && (p->kind == PARAM_TEXTURE || p->kind == PARAM_STRING ||
+                 (p->n > 0 && p->numbers[0] != 0));
+}
+
+/* measured of version 4 reads files of another format than that of our model. */
+static bool is_merl(const Params *ps)
+{
+    const char *name;
+    return is_given(ps, "filename") && params_string(ps, "filename", NULL, &name) &&
+           strcmp(path_extension(name), "bsdf") != 0;
+}
+
+static const BsdfKind *find_model(const char *type, const Params *ps, const Alias **alias)
 {
     const BsdfKind *kind = kind_find(bsdfs, type);
-    *alias = kind ? NULL : find_alias(type);
+
+    *alias = !kind || (!strcmp(type, "measured") && !is_merl(ps)) ? find_alias(type) : NULL;
+    if (!strcmp(type, "matte") && is_given(ps, "sigma"))
+        return kind_find(bsdfs, "orennayar");
     return *alias ? kind_find(bsdfs, (*alias)->kind) : kind;
 }
 
@@ -211,28 +298,30 @@ bool material_make(Reader *r, Place at, const char *type, const Params *ps, cons
                    uint32_t *index)
 {
     const Alias *alias;
-    const BsdfKind *kind = find_model(type, &alias);
+    const BsdfKind *kind = find_model(type, ps, &alias);
     List l;
 
     *index = is_interface(type) ? MATERIAL_NONE : 0;
     if (is_interface(type))
         return true;
-    if (!strcmp(type, "mix"))
-        return mixture(r, at, ps, index);
     if (!kind)
         return unknown_material(at, type);
-    if (alias && !alias->exact &&
+    if (alias && alias->match == STAND_IN &&
         !warn_at(at, "the material '%s' is not supported; %s is used", type, alias->kind))
         return false;
     memcpy(l.p, ps->p, ps->n * sizeof *l.p);
     l.n = ps->n;
     l.at = at;
+    if (kind == &bsdf_mix)
+        return mixture(r, at, &l, name, index);
     if (alias)
         apply_alias(&l, alias, kind);
-    if (alias && !alias->exact)                 /* what the model has not is told by the warning */
+    if (alias && alias->match == MEANT_V3)
+        apply_remap(&l, !strcmp(type, "glass"));
+    if (alias && alias->match == STAND_IN)      /* what the model has not is told by the warning */
         for (size_t i = 0; i < l.n; i++)
             l.p[i].used = true;
-    return build(r, kind, type, &l, name, index);
+    return build(r, at, kind, type, &l, name, NULL, index);
 }
 
 /* ---- directives ---- */

@@ -3,11 +3,14 @@
  * Source      Wavefront Advanced Visualizer, appendix B; MTL as its dialects have it.
  * Materials   in this order, of a group of faces with one `usemtl`:
  *               a material of the scene file with that name;
- *               illum 4, 6, 7, 9 or d < 1: dielectric of index Ni (1.5 if that is 1), tinted by Tf;
+ *               illum 4, 6, 7, 9, or d < 1 and Ni but no illum: dielectric of index Ni (1.5 if
+ *               that is 1), tinted by Tf;
  *               illum 3, 5 with Ks: mirror of colour Ks;
  *               Ks without illum or with illum >= 2: phong of Kd, Ks, Ns;
  *               else: diffuse of Kd.
- *             Kd + Ks is scaled down to 1 where it is more. map_Kd multiplies Kd.
+ *             Kd + Ks is scaled down to 1 where it is more. map_Kd multiplies Kd. But for glass, d
+ *             and map_d together are the opacity. map_bump and bump are heights in the units of
+ *             the scene, times -bm.
  * Light       Ke makes a group shine, to both sides: which side of a single face is meant, MTL
  *             does not say. The material stays as it is. */
 #include "scenefile/reader.h"
@@ -49,7 +52,8 @@ static Rgb at_most_one(Rgb c) { return rgb(clamp01(c.r), clamp01(c.g), clamp01(c
 
 static bool is_glass(const MtlMaterial *m)
 {
-    return m->illum == 4 || m->illum == 6 || m->illum == 7 || m->illum == 9 || m->d < 1.0f;
+    return m->illum == 4 || m->illum == 6 || m->illum == 7 || m->illum == 9 ||
+           (m->d < 1.0f && m->ni > 1.0001f && m->illum < 0);
 }
 
 static const char *glass(const MtlMaterial *m, Made *out)
@@ -102,61 +106,89 @@ static char *slashed(Reader *r, const char *name)
     return s;
 }
 
-/* 1 if the picture is there and can be read, 0 after a warning, -1 after an error. */
-static int look_for_map(const MtlMaterial *mtl, const char *name)
+/* The picture as a texture; *t NULL after a warning that it cannot be had. otherwise: what happens
+ * then. */
+static bool find_map(Reader *r, const MtlMaterial *mtl, const char *name, const char *otherwise,
+                     Texture **t)
 {
-    char *path = path_beside(mtl->at.file, name);
+    char *slashed_name = slashed(r, name);
+    char *path = slashed_name ? path_beside(mtl->at.file, slashed_name) : NULL;
     bool there = path && file_exists(path);
 
-    if (!path)
-        return -1;
+    *t = NULL;
     mem_free(path);
+    if (!path)
+        return false;
     if (!there)
-        return warn_at(mtl->at, "the picture %s cannot be found; Kd alone is used", name) ? 0 : -1;
-    if (!texture_readable(name))
-        return warn_at(mtl->at, "pictures of the kind of %s cannot be read; Kd alone is used", name)
-                   ? 0 : -1;
-    return 1;
+        return warn_at(mtl->at, "the picture %s cannot be found; %s", slashed_name, otherwise);
+    if (!texture_readable(slashed_name))
+        return warn_at(mtl->at, "pictures of the kind of %s cannot be read; %s", slashed_name,
+                       otherwise);
+    *t = texture_image(r, mtl->at, slashed_name);
+    return *t != NULL;
 }
 
 /* Multiplies the diffuse colour by the map. */
-static bool add_map(Reader *r, const MtlMaterial *mtl, uint32_t index)
+static bool add_map(Reader *r, const MtlMaterial *mtl, Material *m)
 {
-    Material *m = &r->scene->materials[index];
     const OptDef *d = m->kind->info.options;
-    char *name = slashed(r, mtl->map_kd);
     Texture *t;
-    int k = 0, found = name ? look_for_map(mtl, name) : -1;
+    int k = 0;
 
+    if (!find_map(r, mtl, mtl->map_kd, "Kd alone is used", &t))
+        return false;
     while (d[k].key && strcmp(d[k].key, "reflectance"))
         k++;
-    if (found <= 0 || !d[k].key || is_glass(mtl) || index == 0)
-        return found >= 0;
-    t = texture_image(r, mtl->at, name);
-    if (!t)
-        return false;
+    if (!t || !d[k].key || is_glass(mtl))
+        return true;
     t->value = rgb_mul(t->value, m->value[k]);
     m->texture[k] = t;
     m->textured = true;
     return true;
 }
 
-static bool make_material(Reader *r, const MtlMaterial *m, uint32_t *index)
+static bool add_opacity(Reader *r, const MtlMaterial *mtl, Material *m)
 {
-    Rgb kd = m->has_kd ? not_negative(m->kd) : rgb_all(m->has_ks ? 0.0f : 0.5f);
-    bool mapped = *m->map_kd != 0;
-    Made made;
+    Texture *t = NULL;
+
+    if (*mtl->map_d && !find_map(r, mtl, mtl->map_d, "d alone is used", &t))
+        return false;
+    if (is_glass(mtl) || (!t && !(mtl->d < 1.0f)))
+        return true;
+    if (t)
+        t->value = rgb_scale(t->value, clamp01(mtl->d));
+    m->opacity = t ? t : texture_constant(r, rgb_all(clamp01(mtl->d)));
+    return m->opacity != NULL;
+}
+
+static bool add_bump(Reader *r, const MtlMaterial *mtl, Material *m)
+{
+    Texture *t;
+
+    if (!find_map(r, mtl, mtl->map_bump, "there are no bumps", &t))
+        return false;
+    if (t)
+        t->value = rgb_scale(t->value, mtl->bump);
+    m->bump = t;
+    return true;
+}
+
+static bool make_material(Reader *r, const MtlMaterial *mtl, uint32_t *index)
+{
+    Rgb kd = mtl->has_kd ? not_negative(mtl->kd) : rgb_all(mtl->has_ks ? 0.0f : 0.5f);
+    bool mapped = *mtl->map_kd != 0;
     const char *model;
+    Material *m;
+    Made made;
 
     if (mapped && rgb_black(kd))
         kd = rgb_all(1.0f);
-    model = model_of(m, kd, &made);
-    if (!material_make(r, m->at, model, &made.ps, m->name, index))
+    model = model_of(mtl, kd, &made);
+    if (!material_make(r, mtl->at, model, &made.ps, mtl->name, index))
         return false;
-    if ((*m->map_d || *m->map_bump) &&
-        !warn_at(m->at, "maps of d and of bumps are not supported; they are left out"))
-        return false;
-    return !mapped || add_map(r, m, *index);
+    m = &r->scene->materials[*index];
+    return (!mapped || add_map(r, mtl, m)) && add_opacity(r, mtl, m) &&
+           (!*mtl->map_bump || add_bump(r, mtl, m));
 }
 
 /* The light of a group, or NULL in *area. In the SceneFile's arena. */

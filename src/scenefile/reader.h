@@ -213,6 +213,14 @@ bool do_named_material(Reader *r, Place at);
 bool material_make(Reader *r, Place at, const char *type, const Params *ps, const char *name,
                    uint32_t *index);
 
+const Texture *texture_constant(Reader *r, Rgb value);          /* materialuse.c; NULL: memory */
+const Texture *texture_product(Reader *r, const Texture *a, const Texture *b);
+/* Puts the textures that were given for options in their place. */
+bool material_textures(Reader *r, Material *m, const Opts *o);
+/* What the language gives this type of material besides, and that the names of it are known. */
+bool material_extras(Reader *r, const char *type, const Params *ps, Material *m);
+void material_extras_known(const Params *ps, const char *type);
+
 bool do_medium(Reader *r, Place at);            /* surfaces.c */
 bool do_medium_interface(Reader *r, Place at);
 /* The mask ("alpha") of the shape that is being read, in r->mask; *nowhere: nothing is left. */
