@@ -374,7 +374,7 @@ static void check_through(const Scene *s, const Hit *ha, const Surface *a, const
 
 static void spawn(const Scene *s, const Body *b, RayMaker *m, uint32_t points, Count *t)
 {
-    Surface sf, last;
+    Surface sf, last = { .width = 0 };
     Hit h, last_h;
     bool have_last = false;
 

@@ -16,6 +16,8 @@ void geometry_clear(Geometry *g)
             tessellation_clear(g->shapes[i].as.tessellation);
             mem_free(g->shapes[i].as.tessellation);
         }
+        if (g->shapes[i].kind == SHAPE_INSTANCE)
+            mem_free(g->shapes[i].as.instance.motion);
     }
     mem_free(g->p);
     mem_free(g->tri);
@@ -57,6 +59,8 @@ bool geometry_copy(Geometry *to, const Geometry *from)
         to->nshapes = 0;
     for (size_t i = to->nshapes; i-- > 0; ) {
         Shape *s = &to->shapes[i];
+        if (s->kind == SHAPE_INSTANCE)
+            s->as.instance.motion = copy_of(s->as.instance.motion, 1, sizeof(Motion), &ok);
         if (s->kind != SHAPE_MESH)
             continue;
         s->n = copy_of(s->n, end - s->first_vertex, sizeof *s->n, &ok);
@@ -215,6 +219,32 @@ bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_worl
     if (shape)
         *shape = index;
     return true;
+}
+
+bool geometry_add_moving(Geometry *g, uint32_t child, const Motion *motion, uint32_t *shape)
+{
+    Transform none = xf_identity();
+    Motion *own = MEM_NEW(Motion);
+    uint32_t index = 0;
+    Instance *in;
+
+    if (!own || !geometry_add_instance(g, child, &none, &index)) {
+        mem_free(own);
+        return false;
+    }
+    *own = *motion;
+    in = &g->shapes[index].as.instance;
+    in->motion = own;
+    in->to_world = motion->to_world;
+    in->to_object = motion->to_object;
+    if (shape)
+        *shape = index;
+    return true;
+}
+
+Box instance_box(const Instance *in, Box object)
+{
+    return in->motion ? motion_box(in->motion, object) : affine_box(&in->to_world, object);
 }
 
 bool geometry_finish(Geometry *g)
@@ -607,6 +637,7 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
 
     s->shape = shape;
     s->prim = h->prim;
+    s->time = r->time;
     s->uv = (V2){ 0, 0 };
     s->dpdu = s->dpdv = v_all(0.0f);
     s->width = 0.0f;
