@@ -3,15 +3,25 @@
  * what moves against what is known of them. */
 #include "base/motion.h"
 #include "base/random.h"
-#include "test/ray_help.h"
-#include "test/scene_help.h"
-
 #include "render/render.h"
+#include "sampling/warp.h"
+#include "test/mesh_help.h"
+#include "test/scene_help.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* ---- maps ---- */
+
+static float between(Rng *rng, float lo, float hi) { return lo + (hi - lo) * rng_unit(rng); }
+
+static V3 direction(Rng *rng)
+{
+    V2 u;
+    u.x = rng_unit(rng);
+    u.y = rng_unit(rng);
+    return v_unit(warp_sphere(u));
+}
 
 static Motion motion_of(Transform start, Transform end)
 {
@@ -73,20 +83,20 @@ static void halves(void)
 
 static Transform random_map(Rng *rng)
 {
-    V3 a = rng_direction(rng), b = rng_direction(rng);
-    Transform t = xf_scale(md_exp(rng_between(rng, -3, 3)), md_exp(rng_between(rng, -3, 3)),
-                           md_exp(rng_between(rng, -3, 3)));
+    V3 a = direction(rng), b = direction(rng);
+    Transform t = xf_scale(md_exp(between(rng, -3, 3)), md_exp(between(rng, -3, 3)),
+                           md_exp(between(rng, -3, 3)));
 
     t = then(xf_rotate(360 * rng_unit(rng), a.x, a.y, a.z), t);
     t = then(t, xf_rotate(360 * rng_unit(rng), b.x, b.y, b.z));
-    return then(xf_translate(rng_between(rng, -9, 9), rng_between(rng, -9, 9), 1), t);
+    return then(xf_translate(between(rng, -9, 9), between(rng, -9, 9), 1), t);
 }
 
 static Motion random_motion(Rng *rng, int i)
 {
     Transform a = random_map(rng), b = random_map(rng);
     if (i % 3 == 0)
-        b = then(xf_translate(rng_between(rng, -9, 9), 0.5, rng_between(rng, -9, 9)), a);
+        b = then(xf_translate(between(rng, -9, 9), 0.5, between(rng, -9, 9)), a);
     if (i % 5 == 0) {
         a = then(a, xf_scale(1, 1, -1));
         b = then(b, xf_scale(1, 1, -1));
@@ -110,7 +120,7 @@ static void ends(void)
                most_apart(&last, &wb));
         m = random_motion(&rng, i);
         for (int k = 0; k <= 8; k++) {
-            V3 p = v_scale(rng_direction(&rng), 3), q;
+            V3 p = v_scale(direction(&rng), 3), q;
             Affine there, back;
             motion_at(&m, (float)k / 8, &there, &back);
             q = affine_point(&back, affine_point(&there, p));
@@ -156,7 +166,7 @@ static void bounds(void)
 
 /* ---- pictures ---- */
 
-static Film film_of(const char *text, const char *integrator, uint32_t spp)
+static Film film_of(const char *text, const char *integrator, uint32_t spp, uint64_t seed)
 {
     SceneFile f = scene_of(text, 0);
     RenderSettings s;
@@ -168,6 +178,8 @@ static Film film_of(const char *text, const char *integrator, uint32_t spp)
     q.integrator = integrator;
     q.sampler = "random";
     q.spp = spp;
+    q.seed = seed;
+    q.seed_given = true;
     q.threads = 1;
     q.max_pixels = 1 << 20;
     REQUIRE(settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, 1) &&
@@ -209,13 +221,13 @@ static double profile(double x0, double y0, double side, double radius, double w
 static void expect_blur(const char *text, double w, const char *what)
 {
     enum { SIDE = 20, SPP = 400 };
-    Film f = film_of(text, "path:maxdepth=1", SPP);
+    Film f = film_of(text, "path:maxdepth=1", SPP, 0);
     double chi2 = 0, n = 0;
 
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
-            double p = 1 - profile(-2 + 0.2 * x, 1.8 - 0.2 * y, 0.2, 0.7, w), is = mean_of(&f, x, y);
-            double sigma = sqrt(p * (1 - p) / SPP);
+            double p = 1 - profile(-2 + 0.2 * x, 1.8 - 0.2 * y, 0.2, 0.7, w);
+            double is = mean_of(&f, x, y), sigma = sqrt(p * (1 - p) / SPP);
             EXPECT(fabs(is - p) <= 5 * sigma + 2e-3, "%s, pixel %d %d is %g, not %g", what, (int)x,
                    (int)y, is, p);
             if (p > 0.05 && p < 0.95) {
@@ -230,8 +242,9 @@ static void expect_blur(const char *text, double w, const char *what)
 
 #define FILM20 "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\n" \
     "PixelFilter \"box\"\n"
-#define ORTHO "Camera \"orthographic\" \"float screenwindow\" [-2 2 -2 2]"
-#define SKY "LightSource \"infinite\" \"rgb L\" [1 1 1] Material \"diffuse\" \"rgb reflectance\" 0\n"
+#define ORTHO "Camera \"orthographic\" \"float screenwindow\" [-2 2 -2 2]\n"
+#define SKY "LightSource \"infinite\" \"rgb L\" [1 1 1]\n" \
+    "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
 #define DISC "Shape \"disk\" \"float radius\" 0.7 \"float height\" 3\n"
 
 /* By a shape that slides; by one that slides and is turned within its plane, which a disc does not
@@ -265,11 +278,11 @@ static const char scene[] =
     "[-1 0 -1 1 0 -1 1 0 1 -1 0 1] \"integer indices\" [0 1 2 0 2 3] Shape \"sphere\" "
     "\"float radius\" 0.6";
 
-static Film scene_film(const char *shutter, const char *integrator, uint32_t spp)
+static Film scene_film(const char *shutter, const char *integrator, uint32_t spp, uint64_t seed)
 {
     char text[2000];
     snprintf(text, sizeof text, scene, shutter);
-    return film_of(text, integrator, spp);
+    return film_of(text, integrator, spp, seed);
 }
 
 /* Shadows move with what throws them, and reflected light meets it where it is: each time stands
@@ -279,7 +292,7 @@ static void expect_mean_of_stills(const char *integrator)
 {
     enum { TIMES = 64, SPP = 32 };
     double still[64] = { 0 }, mean = 0, squares = 0, noise;
-    Film f = scene_film("", integrator, 2048);
+    Film f = scene_film("", integrator, 2048, TIMES);
 
     noise = f_sqr((float)film_error(&f));
     for (int t = 0; t < TIMES; t++) {
@@ -288,7 +301,7 @@ static void expect_mean_of_stills(const char *integrator)
         Film one;
         snprintf(shutter, sizeof shutter, "\"float shutteropen\" %g \"float shutterclose\" %g",
                  at, at);
-        one = scene_film(shutter, integrator, SPP);
+        one = scene_film(shutter, integrator, SPP, (uint64_t)t);
         noise += film_error(&one) * film_error(&one) / TIMES / TIMES;
         for (uint32_t k = 0; k < 64; k++)
             still[k] += mean_of(&one, k % 8, k / 8) / TIMES;

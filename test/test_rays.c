@@ -358,7 +358,8 @@ static void add_twins(Scene *sc, uint32_t child, Rng *rng, double stretch, float
 }
 
 /* Geometry 1: a mesh, spheres, discs, tessellations. 2: a mesh. 3: bricks. 0, the world: all of it
- * and more, standing and moving. `order` may be a setting whose order of triangles brute is to have, too. */
+ * and more, standing and moving. `order` may be a setting whose order of triangles brute is to
+ * have, too. */
 static Scene *world(const Setting *s, const Setting *order, double stretch, float reach)
 {
     Scene *sc = scene_new();
