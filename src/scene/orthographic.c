@@ -70,7 +70,9 @@ static bool look(const Orthographic *c, const Affine *to_camera, V3 o, V3 w, Cam
     v->pdf_w = 1.0f;
     if (c->lens > 0.0f) {
         double lens = c->lens / (double)c->focus;
-        double z = d.z / sqrt((double)d.x * d.x + (double)d.y * d.y + (double)d.z * d.z);
+        double across = (double)d.x * d.x + (double)d.y * d.y, z = d.z / sqrt(across + d.z * d.z);
+        if (across > lens * lens * (1 + 1e-4) * d.z * d.z)
+            return false;                       /* past the rim, by more than roundings */
         v->pdf_w = (float)(camera_solid(to_camera, d) / (PI * lens * lens * (z * z * z)));
         o = v3(o.x + d.x / d.z * c->focus, o.y + d.y / d.z * c->focus, 0.0f);
     }
