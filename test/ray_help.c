@@ -237,8 +237,8 @@ static void corners_within(RayMaker *m, const Geometry *g, V3 c[3])
         tessellation_corners(t, rng_below(&m->rng, tessellation_faces(t)), c);
     } else if (s && s->kind == SHAPE_INSTANCE) {
         Affine to_world, to_object;
-        corners_within(m, s->as.instance.accel->geo, c);
-        instance_at(&s->as.instance, m->time, &to_world, &to_object);
+        corners_within(m, s->as.instance->accel->geo, c);
+        instance_at(s->as.instance, m->time, &to_world, &to_object);
         for (int k = 0; k < 3; k++)
             c[k] = affine_point(&to_world, c[k]);
     } else

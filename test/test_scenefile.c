@@ -88,7 +88,7 @@ static void camera(void)
 static void expect_mover(const SceneFile *f, size_t k, V3 p, V3 start, V3 end)
 {
     const Geometry *world = &f->scene->geometries[0];
-    const Instance *in = &world->shapes[k].as.instance;
+    const Instance *in = world->shapes[k].as.instance;
     Affine first, last, back;
 
     REQUIRE(k < world->nshapes && world->shapes[k].kind == SHAPE_INSTANCE, "no instance %d",
@@ -136,7 +136,7 @@ static void movers(void)
         "CoordinateSystem \"here\" " MOVING_END("Translate 0 0 3") " CoordinateSystem \"there\" "
         "CoordSysTransform \"here\" " TRI " CoordSysTransform \"there\" " TRI, 1);
     EXPECT(f.scene->geometries[0].nshapes == 7, "%d shapes", (int)f.scene->geometries[0].nshapes);
-    EXPECT(!f.scene->geometries[0].shapes[0].as.instance.motion, "the first placing stands");
+    EXPECT(!f.scene->geometries[0].shapes[0].as.instance->motion, "the first placing stands");
     expect_mover(&f, 1, v3(0, 0, 0), v3(1, 0, 0), v3(1, 0, 5));
     expect_mover(&f, 2, v3(0, 0, 0), v3(1, 0, 0), v3(1, 2, 0));
     expect_mover(&f, 3, v3(0, 0, 0), v3(1, 0, 0), v3(1, 2, 5));
@@ -376,11 +376,11 @@ static void objects(void)
     EXPECT(f.scene->ngeometries == 3 && world->nshapes == 3 && o->nshapes == 2, "counts");
     EXPECT(v_equal(o->p[0], v3(2, 0, 5)), "the object has the transform of where it began");
     EXPECT(o->shapes[0].material == 1 && world->shapes[0].material == 0, "materials");
-    EXPECT(world->shapes[1].kind == SHAPE_INSTANCE && world->shapes[1].as.instance.child == 1,
+    EXPECT(world->shapes[1].kind == SHAPE_INSTANCE && world->shapes[1].as.instance->child == 1,
            "an instance");
-    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance.to_world, o->p[0]), v3(4, 0, 15)),
+    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance->to_world, o->p[0]), v3(4, 0, 15)),
            "the instance adds the transform of where it stands");
-    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance.to_object, v3(4, 0, 15)),
+    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance->to_object, v3(4, 0, 15)),
                    v3(2, 0, 5)), "and back");
     scenefile_clear(&f);
 }

@@ -206,7 +206,7 @@ bool odd_nearest(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Hi
     switch (s->kind) {
     case SHAPE_SPHERE:   t = sphere_cross(&s->as.sphere, r); break;
     case SHAPE_DISK:     t = disk_cross(&s->as.disk, r); break;
-    case SHAPE_INSTANCE: return instance_nearest(&s->as.instance, r, p, prim, h, steps);
+    case SHAPE_INSTANCE: return instance_nearest(s->as.instance, r, p, prim, h, steps);
     case SHAPE_TESSELLATION:
         return tessellation_hits(a, s->as.tessellation, prim, p, h, false, steps);
     case SHAPE_MESH:     break;
@@ -231,7 +231,7 @@ bool odd_blocks(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Ste
     Hit h;
 
     if (s->kind == SHAPE_INSTANCE)
-        return instance_blocks(&s->as.instance, r, p, steps);
+        return instance_blocks(s->as.instance, r, p, steps);
     h.t = r->tmax;
     h.outer = NO_PRIM;
     if (s->kind == SHAPE_TESSELLATION)
@@ -284,7 +284,7 @@ void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
         geometry_surface(g, r, h, s);
         return;
     } else {
-        const Instance *in = &top->as.instance;
+        const Instance *in = top->as.instance;
         Affine to_world, to_object;
         Hit inner = *h;
         Ray local;

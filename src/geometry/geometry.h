@@ -64,7 +64,7 @@ typedef struct {
         Sphere sphere;
         Disk disk;
         Tessellation *tessellation;     /* owned */
-        Instance instance;
+        Instance *instance;             /* owned: larger than the others */
     } as;
 } Shape;
 

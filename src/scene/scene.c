@@ -159,7 +159,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
     if (!geometry_finish(g))
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
-        Instance *in = &g->shapes[i].as.instance;
+        Instance *in = g->shapes[i].as.instance;
         g->shapes[i].plain = is_plain(&s->materials[g->shapes[i].material]) &&
                              !(g->shapes[i].light != NO_LIGHT &&
                                s->lights[g->shapes[i].light]->textured);
@@ -208,7 +208,7 @@ static bool anything_moves(const Scene *s)
 
     for (size_t k = 0; k < world->nodd; k++) {
         const Shape *shape = &world->shapes[world->odd[k]];
-        if (shape->kind == SHAPE_INSTANCE && shape->as.instance.motion)
+        if (shape->kind == SHAPE_INSTANCE && shape->as.instance->motion)
             return true;
     }
     return s->camera && s->camera->motion;

@@ -5,14 +5,14 @@
  * Source      [PBRT4 5.3], and version 3 for `environment`; [Clarberg08] for the squares.
  * Space       y is up. By latitude and longitude the top row looks up, the middle of a row along
  *             -x, and columns go from +x by +z and -x to -z.
- * Densities   pdf_w is 1 / (2 pi^2 sin theta), errata 5.1, or 1 / (4 pi). There is no lens and no
+ * Densities   pdf_w is 1 by the jacobian of the mapping, see panorama.h. There is no lens and no
  *             cosine at it: We = pdf_w. */
-#include "sampling/octahedral.h"
 #include "scene/camera.h"
+#include "scene/panorama.h"
 
 typedef struct {
     Camera base;
-    bool   squares;
+    Mapping mapping;            /* latlong or octahedral, z up */
     float  w, h;                /* of the picture, pixels */
 } Spherical;
 
@@ -22,7 +22,7 @@ static Camera *make(const Making *m, const Opts *o)
 
     if (!c || !camera_init(&c->base, m, o))
         return NULL;
-    c->squares = opt_is(o, "mapping", "equalarea");
+    c->mapping.kind = opt_is(o, "mapping", "equalarea") ? MAPPING_OCTAHEDRAL : MAPPING_LATLONG;
     c->base.point = true;
     return &c->base;
 }
@@ -34,22 +34,30 @@ static void film(Camera *base, uint32_t w, uint32_t h)
     c->h = (float)h;
 }
 
+/* The place in the picture of one a little beside it. Of squares, an edge is one with itself turned
+ * round; rows go round, and beyond the poles is the other side. */
+static V2 wrapped(const Spherical *c, V2 p)
+{
+    if (p.y < 0.0f || p.y > 1.0f) {
+        p.y = p.y < 0.0f ? -p.y : 2.0f - p.y;
+        p.x = c->mapping.kind == MAPPING_OCTAHEDRAL ? 1.0f - p.x : p.x + 0.5f;
+    }
+    if (p.x >= 0.0f && p.x <= 1.0f)
+        return p;
+    if (c->mapping.kind == MAPPING_OCTAHEDRAL)
+        return (V2){ p.x < 0.0f ? -p.x : 2.0f - p.x, 1.0f - p.y };
+    return (V2){ p.x - floorf(p.x), p.y };
+}
+
 static Ray ray(const Camera *base, V2 pixel, V2 u, float time)
 {
     const Spherical *c = (const Spherical *)base;
     V2 at = { pixel.x / c->w, pixel.y / c->h };
     Affine to_world, to_camera;
-    V3 d;
+    float jacobian;
+    V3 d = mapping_direction(&c->mapping, wrapped(c, at), &jacobian);
 
     (void)u;
-    if (c->squares)
-        d = octahedral_sphere(octahedral_wrap(at));
-    else {
-        float sp, cp, st, ct;
-        m_sincos(at.x * (2 * PI_F), &sp, &cp);
-        m_sincos(at.y * PI_F, &st, &ct);
-        d = v3(st * cp, st * sp, ct);
-    }
     camera_at(base, time, &to_world, &to_camera);
     return (Ray){ .o = affine_point(&to_world, v3(0, 0, 0)),
                   .d = v_unit(affine_vector(&to_world, v3(d.x, d.z, d.y))),
@@ -60,24 +68,13 @@ static Ray ray(const Camera *base, V2 pixel, V2 u, float time)
 static bool look(const Spherical *c, const Affine *to_camera, V3 w, CameraView *v)
 {
     V3 d = affine_vector(to_camera, w), unit = v_unit(d);
-    V3 z_up = v3(unit.x, unit.z, unit.y);
-    float sine = sqrtf(z_up.x * z_up.x + z_up.y * z_up.y);
-    double solid = camera_solid(to_camera, d);
-    V2 at;
+    float jacobian;
+    V2 at = mapping_place(&c->mapping, v3(unit.x, unit.z, unit.y), &jacobian);
 
+    if (!(jacobian > 0.0f))
+        return false;                           /* a pole: the whole of a row */
     v->pdf_a = 1.0f;
-    if (c->squares) {
-        at = octahedral_square(z_up);
-        v->pdf_w = (float)(solid / (4 * PI));
-    } else {
-        if (!(sine > 0.0f))
-            return false;                       /* a pole: the whole of a row */
-        at.x = m_atan2(z_up.y, z_up.x) * (0.5f * INV_PI);
-        if (at.x < 0.0f)
-            at.x += 1.0f;
-        at.y = m_atan2(sine, z_up.z) * INV_PI;
-        v->pdf_w = (float)(solid / (2 * PI * PI * sine));
-    }
+    v->pdf_w = (float)(camera_solid(to_camera, d) / jacobian);
     v->we = v->pdf_w;
     v->pixel = (V2){ at.x * c->w, at.y * c->h };
     return true;
