@@ -164,7 +164,8 @@ static float spread_of(const RenderSettings *s, const Camera *c)
 {
     V2 at = { 0.5f * (float)s->w, 0.5f * (float)s->h }, beside = { at.x + 1.0f, at.y };
     V2 middle = { 0.5f, 0.5f };
-    return v_len(v_sub(c->kind->ray(c, beside, middle).d, c->kind->ray(c, at, middle).d));
+    return v_len(v_sub(c->kind->ray(c, beside, middle, 0.0f).d,
+                       c->kind->ray(c, at, middle, 0.0f).d));
 }
 
 static bool job_init(Job *j, uint32_t *spp)
