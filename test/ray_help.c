@@ -199,7 +199,8 @@ const char *const ray_class_names[RAY_CLASSES] = {
 
 RayMaker ray_maker(const Geometry *g, const Accel *truth, uint64_t seed)
 {
-    RayMaker m = { .g = g, .truth = truth, .box = box_empty(), .rng = rng_seed(seed) };
+    RayMaker m = { .g = g, .truth = truth, .box = box_empty(), .rng = rng_seed(seed),
+                   .times = rng_seed(~seed) };
 
     for (uint32_t i = 0; i < geometry_prims(g); i++)
         m.box = box_join(m.box, geometry_box(g, i));
@@ -235,9 +236,11 @@ static void corners_within(RayMaker *m, const Geometry *g, V3 c[3])
         const Tessellation *t = s->as.tessellation;
         tessellation_corners(t, rng_below(&m->rng, tessellation_faces(t)), c);
     } else if (s && s->kind == SHAPE_INSTANCE) {
-        corners_within(m, s->as.instance.accel->geo, c);
+        Affine to_world, to_object;
+        corners_within(m, s->as.instance->accel->geo, c);
+        instance_at(s->as.instance, m->time, &to_world, &to_object);
         for (int k = 0; k < 3; k++)
-            c[k] = affine_point(&s->as.instance.to_world, c[k]);
+            c[k] = affine_point(&to_world, c[k]);
     } else
         odd_corners(m, s, n ? geometry_box(g, prim) : m->box, c);
 }
@@ -351,6 +354,7 @@ static Ray cut_short(RayMaker *m)
     Hit h;
 
     r.tmax = 1.0f;
+    r.time = m->time;
     if (accel_nearest(m->truth, &r, &h))
         switch (rng_below(&m->rng, 4)) {
         case 0: r.tmax = float_before(h.t); break;
@@ -395,8 +399,10 @@ static float power_of_2(RayMaker *m, int lo, int hi)
 Ray ray_make(RayMaker *m, RayClass c)
 {
     Ray r = { .o = { 0, 0, 0 }, .d = { 0, 0, 0 }, .tmax = INFINITY };
+    uint32_t when = rng_below(&m->times, 8);
     V3 at;
 
+    m->time = when == 0 ? 0.0f : when == 1 ? 1.0f : rng_unit(&m->times);
     switch (c) {
     case RAY_RANDOM:    r = aim(m, rng_in_box(&m->rng, m->box)); break;
     case RAY_INSIDE:    r.o = rng_in_box(&m->rng, m->box); r.d = rng_direction(&m->rng); break;
@@ -420,6 +426,7 @@ Ray ray_make(RayMaker *m, RayClass c)
     }
     if (r.d.x == 0.0f && r.d.y == 0.0f && r.d.z == 0.0f)        /* a ray has a direction */
         r.d.x = 1.0f;
+    r.time = m->time;
     return r;
 }
 
@@ -428,8 +435,8 @@ const char *ray_text(const Ray *r)
     static char text[4][240];
     static int turn;
     char *t = text[turn++ & 3];
-    snprintf(t, sizeof text[0], "o (%a %a %a) d (%a %a %a) tmax %a", (double)r->o.x,
+    snprintf(t, sizeof text[0], "o (%a %a %a) d (%a %a %a) tmax %a time %a", (double)r->o.x,
              (double)r->o.y, (double)r->o.z, (double)r->d.x, (double)r->d.y, (double)r->d.z,
-             (double)r->tmax);
+             (double)r->tmax, (double)r->time);
     return t;
 }

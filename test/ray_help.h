@@ -85,6 +85,9 @@ typedef struct {
     const Accel *truth;         /* borrowed; for RAY_SHORT */
     Box box;
     Rng rng;
+    Rng times;
+    float time;                 /* of the ray that is made, which is aimed at things where they are
+                                 * then */
     Ray first;                  /* of the neighbours */
     int neighbours;             /* still to come */
 } RayMaker;
@@ -101,7 +104,7 @@ V3    blend(V3 a, V3 b, V3 c, V3 weights);
 float float_after(float x);                     /* the next larger float; x finite */
 float float_before(float x);
 
-/* "o (x y z) d (x y z) tmax" with all digits, for messages. In one of four static buffers. */
+/* "o (x y z) d (x y z) tmax time" with all digits, for messages. In one of four static buffers. */
 const char *ray_text(const Ray *r);
 
 #endif

@@ -108,7 +108,7 @@ static void pixels(void)
         c = camera_of(&l, s, "");
         for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
             V2 pixel = { (float)(at[i][0] * s->w), (float)(at[i][1] * s->h) };
-            Ray r = c->kind->ray(c, pixel, (V2){ 0.3f, 0.7f });
+            Ray r = c->kind->ray(c, pixel, (V2){ 0.3f, 0.7f }, 0.0f);
             D3 p = shown(s, (double)pixel.x, (double)pixel.y, 4);
             double size = 1e-6 * (fabs((double)s->eye.x) + 10);
 
@@ -131,7 +131,7 @@ static void corners(void)
     lab_init(&l);
     c = camera_of(&l, &shots[0], "");
     for (int k = 0; k < 4; k++) {
-        Ray r = c->kind->ray(c, (V2){ k % 2 ? 100 : 0, k / 2 ? 100 : 0 }, (V2){ 0, 0 });
+        Ray r = c->kind->ray(c, (V2){ k % 2 ? 100 : 0, k / 2 ? 100 : 0 }, (V2){ 0, 0 }, 0.0f);
         EXPECT(fabs(r.d.x * sqrt(3.0) - x[k]) < 1e-6 && fabs(r.d.y * sqrt(3.0) - y[k]) < 1e-6 &&
                    fabs(r.d.z * sqrt(3.0) - 1) < 1e-6 && v_len2(r.o) == 0,
                "corner %d: along %g %g %g", k, (double)r.d.x, (double)r.d.y, (double)r.d.z);
@@ -161,7 +161,7 @@ static void window(void)
     REQUIRE(c, "camera");
     k->film(c, 200, 100);
     for (int i = 0; i < 4; i++) {
-        Ray r = k->ray(c, (V2){ i % 2 ? 200 : 0, i / 2 ? 100 : 0 }, (V2){ 0, 0 });
+        Ray r = k->ray(c, (V2){ i % 2 ? 200 : 0, i / 2 ? 100 : 0 }, (V2){ 0, 0 }, 0.0f);
         double x = numbers[i % 2], y = numbers[i / 2 ? 2 : 3];
         EXPECT(fabs((double)(r.d.x / r.d.z) - x) < 1e-6 && fabs((double)(r.d.y / r.d.z) - y) < 1e-6,
                "corner %d: %g %g, it is %g %g", i, (double)(r.d.x / r.d.z), (double)(r.d.y / r.d.z),
@@ -193,7 +193,7 @@ static void lens(void)
         axes(s, &x, &y, &z);
         for (int i = 0; i < N; i++) {
             V2 u = { rng_unit(&rng), rng_unit(&rng) };
-            Ray r = c->kind->ray(c, pixel, u);
+            Ray r = c->kind->ray(c, pixel, u, 0.0f);
             D3 o = d3_sub(d3(r.o), d3(s->eye));
             double a = d3_dot(o, x), b = d3_dot(o, y), r2 = (a * a + b * b) / (radius * radius);
             double d = off_ray(&r, p), phi = md_atan2(b, a) / (2 * PI) + 0.5;
@@ -234,7 +234,7 @@ static void mirrored(void)
     c = k->make(&m, &o);
     REQUIRE(c, "camera");
     k->film(c, 10, 10);
-    r = k->ray(c, (V2){ 10, 5 }, (V2){ 0, 0 });
+    r = k->ray(c, (V2){ 10, 5 }, (V2){ 0, 0 }, 0.0f);
     EXPECT(r.d.x < 0 && r.d.z > 0, "the right of a mirrored picture looks along %g %g %g",
            (double)r.d.x, (double)r.d.y, (double)r.d.z);
     lab_clear(&l);

@@ -322,6 +322,26 @@ static void add_instances(Geometry *g, uint32_t child, int n, Rng *rng, double s
     }
 }
 
+/* The first slides, the others turn and change their size, too; two move alike. */
+static void add_moving(Geometry *g, uint32_t child, int n, Rng *rng, double stretch, float reach)
+{
+    for (int i = 0; i < n; i++) {
+        Transform start = random_map(rng, stretch, reach), end = random_map(rng, stretch, reach);
+        Motion m;
+        if (i == 0) {
+            Transform move = xf_translate(rng_between(rng, -1, 1), rng_between(rng, -1, 1), 0.1);
+            end = xf_then(&move, &start);
+        }
+        if (xf_swaps_hands(&start) != xf_swaps_hands(&end)) {
+            Transform mirror = xf_scale(1, -1, 1);
+            end = xf_then(&end, &mirror);
+        }
+        REQUIRE(motion_init(&m, &start, &end), "something is between");
+        for (int twice = 0; twice < (i ? 1 : 2); twice++)
+            REQUIRE(geometry_add_moving(g, child, &m, NULL), "memory");
+    }
+}
+
 /* Bricks, and an instance of such bricks in the same place: ties that only rounding settles. */
 static void add_twins(Scene *sc, uint32_t child, Rng *rng, double stretch, float reach)
 {
@@ -338,7 +358,8 @@ static void add_twins(Scene *sc, uint32_t child, Rng *rng, double stretch, float
 }
 
 /* Geometry 1: a mesh, spheres, discs, tessellations. 2: a mesh. 3: bricks. 0, the world: all of it
- * and more. `order` may be a setting whose order of triangles brute is to have, too. */
+ * and more, standing and moving. `order` may be a setting whose order of triangles brute is to
+ * have, too. */
 static Scene *world(const Setting *s, const Setting *order, double stretch, float reach)
 {
     Scene *sc = scene_new();
@@ -358,6 +379,8 @@ static Scene *world(const Setting *s, const Setting *order, double stretch, floa
     add_instances(&sc->geometries[0], 1, 4, &rng, stretch, reach);
     add_instances(&sc->geometries[0], 2, 4, &rng, stretch, reach);
     add_twins(sc, 3, &rng, stretch, reach);
+    add_moving(&sc->geometries[0], 1, 2, &rng, stretch, reach);
+    add_moving(&sc->geometries[0], 2, 2, &rng, stretch, reach);
     for (size_t k = 0; order && k < sc->ngeometries; k++) {
         REQUIRE(geometry_finish(&sc->geometries[k]), "memory");
         accel_free(setting_arrange(order, &sc->geometries[k]));

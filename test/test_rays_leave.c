@@ -193,9 +193,9 @@ static const Geometry *space_of(const Scene *s, const Hit *h, D3 *o, D3 *w)
     const Shape *top = geometry_shape(g, h->outer);
     if (top->kind != SHAPE_INSTANCE)
         return g;
-    *o = mapped(&top->as.instance.to_object, *o, 1);
-    *w = mapped(&top->as.instance.to_object, *w, 0);
-    return &s->geometries[top->as.instance.child];
+    *o = mapped(&top->as.instance->to_object, *o, 1);
+    *w = mapped(&top->as.instance->to_object, *w, 0);
+    return &s->geometries[top->as.instance->child];
 }
 
 static Stand stand_at(const Scene *s, const Hit *h, V3 o, V3 w)
@@ -223,7 +223,7 @@ static bool inside(const Scene *s, const Hit *h, D3 o, V3 err)
     const Geometry *g = space_of(s, h, &o, &none);
 
     if (top->kind == SHAPE_INSTANCE)
-        e = spread(&top->as.instance.to_object, e);
+        e = spread(&top->as.instance->to_object, e);
     for (uint32_t i = 0; i < geometry_prims(g); i++) {
         double least = 0;
         if (i != h->prim) {                     /* along is linear in the direction */
@@ -374,7 +374,7 @@ static void check_through(const Scene *s, const Hit *ha, const Surface *a, const
 
 static void spawn(const Scene *s, const Body *b, RayMaker *m, uint32_t points, Count *t)
 {
-    Surface sf, last;
+    Surface sf, last = { .width = 0 };
     Hit h, last_h;
     bool have_last = false;
 

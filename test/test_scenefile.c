@@ -72,9 +72,9 @@ static void camera(void)
     expect_frame(&f, 0, v3(1, 3, 3), v3(1, 2, 4), v3(2, 2, 3), 1e-6f, "camera space");
     REQUIRE(c, "no camera");
     c->kind->film(c, 100, 100);
-    r = c->kind->ray(c, (V2){ 50, 50 }, (V2){ 0.5f, 0.5f });
+    r = c->kind->ray(c, (V2){ 50, 50 }, (V2){ 0.5f, 0.5f }, 0.0f);
     EXPECT(v_near(r.o, v3(1, 2, 3), 1e-6f) && v_near(r.d, v3(1, 0, 0), 1e-6f), "the middle ray");
-    r = c->kind->ray(c, (V2){ 100, 0 }, (V2){ 0.5f, 0.5f });        /* top right: 1 : 1 : 1 */
+    r = c->kind->ray(c, (V2){ 100, 0 }, (V2){ 0.5f, 0.5f }, 0.0f);  /* top right: 1 : 1 : 1 */
     EXPECT(v_near(r.d, v_scale(v3(1, 1, 1), 0.57735027f), 1e-6f), "the corner ray");
     scenefile_clear(&f);
     /* A mirror before LookAt, as old scenes have it, swaps left and right. */
@@ -84,14 +84,96 @@ static void camera(void)
     scenefile_clear(&f);
 }
 
-/* Pictures are of the start: what acts on the end alone is not seen. */
+/* Where shape k of the world, an instance that moves, takes its object's point p. */
+static void expect_mover(const SceneFile *f, size_t k, V3 p, V3 start, V3 end)
+{
+    const Geometry *world = &f->scene->geometries[0];
+    const Instance *in = world->shapes[k].as.instance;
+    Affine first, last, back;
+
+    REQUIRE(k < world->nshapes && world->shapes[k].kind == SHAPE_INSTANCE, "no instance %d",
+            (int)k);
+    REQUIRE(in->motion != NULL, "instance %d stands still", (int)k);
+    motion_at(in->motion, 0.0f, &first, &back);
+    motion_at(in->motion, 1.0f, &last, &back);
+    EXPECT(v_near(affine_point(&first, p), start, 1e-5f) &&
+               v_near(affine_point(&last, p), end, 1e-5f),
+           "instance %d moves otherwise", (int)k);
+}
+
+#define MOVING_END(text) "ActiveTransform EndTime " text " ActiveTransform All "
+
+/* Shapes for which start and end differ move; those that move alike do so together. */
 static void active_transform(void)
 {
+    SceneFile f = scene_of(
+        "TransformTimes 2 4\n"
+        "WorldBegin ActiveTransform EndTime Scale 9 9 9 ActiveTransform StartTime "
+        "Translate 1 0 0 ActiveTransform All Scale 2 2 2 " TRI TRI
+        "AttributeBegin Translate 1 1 1 " TRI "AttributeEnd Identity " TRI, 0);
+
+    EXPECT(f.scene->ngeometries == 3, "%d geometries", (int)f.scene->ngeometries);
+    EXPECT(f.scene->geometries[1].nshapes == 2 && f.scene->geometries[2].nshapes == 1,
+           "shapes that move alike are apart");
+    EXPECT(v_equal(f.scene->geometries[1].p[0], v3(1, 0, 0)), "not in its own space");
+    EXPECT(f.scene->times[0] == 2 && f.scene->times[1] == 4, "times");
+    expect_mover(&f, 1, v3(1, 2, 3), v3(3, 4, 6), v3(18, 36, 54));
+    expect_mover(&f, 2, v3(0, 0, 0), v3(3, 2, 2), v3(18, 18, 18));
+    scenefile_clear(&f);
+}
+
+/* What moves in an object goes where that is placed, which may move, too. Lights stand. */
+static void movers(void)
+{
     SceneFile f;
+
     messages_nowhere();
-    f = scene_of("WorldBegin ActiveTransform EndTime Scale 9 9 9 ActiveTransform StartTime "
-                 "Translate 1 0 0 ActiveTransform All Scale 2 2 2 TransformTimes 0 1 " TRI, 1);
-    expect_frame(&f, 0, v3(3, 0, 0), v3(1, 2, 0), v3(1, 0, 2), 0.0f, "start");
+    f = scene_of(
+        "WorldBegin ObjectBegin \"o\" " TRI "AttributeBegin " MOVING_END("Translate 0 0 5") TRI
+        "AttributeEnd ObjectEnd Translate 1 0 0 ObjectInstance \"o\"\n"
+        "AttributeBegin " MOVING_END("Translate 0 2 0") "ObjectInstance \"o\"\n"
+        "LightSource \"point\" AreaLightSource \"diffuse\" Shape \"sphere\" AttributeEnd\n"
+        "CoordinateSystem \"here\" " MOVING_END("Translate 0 0 3") " CoordinateSystem \"there\" "
+        "CoordSysTransform \"here\" " TRI " CoordSysTransform \"there\" " TRI, 1);
+    EXPECT(f.scene->geometries[0].nshapes == 7, "%d shapes", (int)f.scene->geometries[0].nshapes);
+    EXPECT(!f.scene->geometries[0].shapes[0].as.instance->motion, "the first placing stands");
+    expect_mover(&f, 1, v3(0, 0, 0), v3(1, 0, 0), v3(1, 0, 5));
+    expect_mover(&f, 2, v3(0, 0, 0), v3(1, 0, 0), v3(1, 2, 0));
+    expect_mover(&f, 3, v3(0, 0, 0), v3(1, 0, 0), v3(1, 2, 5));
+    EXPECT(f.scene->geometries[0].shapes[4].kind == SHAPE_SPHERE, "the lamp");
+    EXPECT(f.scene->geometries[0].shapes[5].kind == SHAPE_MESH, "what stands here");
+    expect_mover(&f, 6, v3(0, 0, 0), v3(1, 0, 0), v3(1, 0, 3));
+    scenefile_clear(&f);
+    f = scene_of("WorldBegin " MOVING_END("Scale -1 1 1") TRI TRI, 1);
+    EXPECT(f.scene->geometries[0].nshapes == 2 && f.scene->ngeometries == 1,
+           "what would be turned inside out stands");
+    scenefile_clear(&f);
+    EXPECT(!scene_parse(&f, "TransformTimes 1 1"), "no time at all");
+    EXPECT(!scene_parse(&f, "Camera \"perspective\" \"float shutteropen\" 1 "
+                            "\"float shutterclose\" 0.5"), "closes before it opens");
+}
+
+/* A camera that moves; when its shutter is open. */
+static void moving_camera(void)
+{
+    SceneFile f = scene_of("TransformTimes 1 3 " MOVING_END("Translate 0 0 -2")
+                           "Camera \"orthographic\" \"float shutteropen\" 1.5 "
+                           "\"float shutterclose\" 4 WorldBegin " TRI, 0);
+    const AccelKind *kind = kind_find(accels, ACCEL_DEFAULT);
+    const Camera *c = f.scene->camera;
+    Opts o;
+    Ray r;
+
+    opts_default(&o, kind->info.options);
+    REQUIRE(scene_build(f.scene, kind, &o, 1), "build");
+    REQUIRE(c && c->kind == kind_find(cameras, "orthographic"), "the camera");
+    EXPECT(f.scene->moves && scene_blurs(f.scene), "it moves");
+    EXPECT(scene_time(f.scene, 0) == 0.25f && scene_time(f.scene, 0.2f) == 0.5f &&
+               scene_time(f.scene, 1) == 1.0f, "times");
+    c->kind->film(f.scene->camera, 10, 10);
+    r = c->kind->ray(c, (V2){ 5, 5 }, (V2){ 0, 0 }, 0.5f);
+    EXPECT(v_near(r.o, v3(0, 0, 1), 1e-6f) && v_near(r.d, v3(0, 0, 1), 1e-6f) && r.time == 0.5f,
+           "the ray half way starts at %g %g %g", (double)r.o.x, (double)r.o.y, (double)r.o.z);
     scenefile_clear(&f);
 }
 
@@ -294,11 +376,11 @@ static void objects(void)
     EXPECT(f.scene->ngeometries == 3 && world->nshapes == 3 && o->nshapes == 2, "counts");
     EXPECT(v_equal(o->p[0], v3(2, 0, 5)), "the object has the transform of where it began");
     EXPECT(o->shapes[0].material == 1 && world->shapes[0].material == 0, "materials");
-    EXPECT(world->shapes[1].kind == SHAPE_INSTANCE && world->shapes[1].as.instance.child == 1,
+    EXPECT(world->shapes[1].kind == SHAPE_INSTANCE && world->shapes[1].as.instance->child == 1,
            "an instance");
-    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance.to_world, o->p[0]), v3(4, 0, 15)),
+    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance->to_world, o->p[0]), v3(4, 0, 15)),
            "the instance adds the transform of where it stands");
-    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance.to_object, v3(4, 0, 15)),
+    EXPECT(v_equal(affine_point(&world->shapes[1].as.instance->to_object, v3(4, 0, 15)),
                    v3(2, 0, 5)), "and back");
     scenefile_clear(&f);
 }
@@ -380,6 +462,8 @@ const TestCase test_scenefile[] = {
     { "transforms", transforms, false },
     { "camera", camera, false },
     { "active_transform", active_transform, false },
+    { "movers", movers, false },
+    { "moving_camera", moving_camera, false },
     { "attributes", attributes, false },
     { "area_lights", area_lights, false },
     { "attribute_defaults", attribute_defaults, false },

@@ -122,10 +122,20 @@ bool accel_counts(const char *name, size_t n, int bits)
 /* ---- odd primitives ---- */
 
 /* The direction is not made unit again, so t means the same in both spaces. */
+static Ray into_space(const Affine *to_object, const Ray *r, float tmax)
+{
+    return (Ray){ .o = affine_point(to_object, r->o), .d = affine_vector(to_object, r->d),
+                  .tmax = tmax, .time = r->time };
+}
+
 static Ray into_instance(const Instance *in, const Ray *r, float tmax)
 {
-    return (Ray){ .o = affine_point(&in->to_object, r->o),
-                  .d = affine_vector(&in->to_object, r->d), .tmax = tmax };
+    Affine to_world, to_object;
+
+    if (LIKELY(!in->motion))
+        return into_space(&in->to_object, r, tmax);
+    motion_at(in->motion, r->time, &to_world, &to_object);
+    return into_space(&to_object, r, tmax);
 }
 
 /* Where the ray enters the instance's bounds; false: not before tmax, or beyond all floats. */
@@ -142,12 +152,14 @@ static bool instance_entry(const Instance *in, const Probe *p, float tmax, float
 static bool instance_nearest(const Instance *in, const Ray *r, const Probe *p, uint32_t prim,
                              Hit *h, Steps *steps)
 {
-    Ray local = into_instance(in, r, h->t);
+    Ray local;
     float near;
     Hit inner;
 
-    if (!instance_entry(in, p, h->t, &near) ||
-        !in->accel->kind->nearest(in->accel, &local, &inner, steps))
+    if (!instance_entry(in, p, h->t, &near))
+        return false;
+    local = into_instance(in, r, h->t);
+    if (!in->accel->kind->nearest(in->accel, &local, &inner, steps))
         return false;
     inner.t = f_max(inner.t, near);
     if (inner.t > h->t || (inner.t == h->t && prim >= h->outer))
@@ -159,10 +171,13 @@ static bool instance_nearest(const Instance *in, const Ray *r, const Probe *p, u
 
 static bool instance_blocks(const Instance *in, const Ray *r, const Probe *p, Steps *steps)
 {
-    Ray local = into_instance(in, r, r->tmax);
+    Ray local;
     float near;
-    return instance_entry(in, p, r->tmax, &near) &&
-           in->accel->kind->blocked(in->accel, &local, steps);
+
+    if (!instance_entry(in, p, r->tmax, &near))
+        return false;
+    local = into_instance(in, r, r->tmax);
+    return in->accel->kind->blocked(in->accel, &local, steps);
 }
 
 /* Of equal t the smaller primitive, and within the tessellation the smaller triangle. */
@@ -191,7 +206,7 @@ bool odd_nearest(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Hi
     switch (s->kind) {
     case SHAPE_SPHERE:   t = sphere_cross(&s->as.sphere, r); break;
     case SHAPE_DISK:     t = disk_cross(&s->as.disk, r); break;
-    case SHAPE_INSTANCE: return instance_nearest(&s->as.instance, r, p, prim, h, steps);
+    case SHAPE_INSTANCE: return instance_nearest(s->as.instance, r, p, prim, h, steps);
     case SHAPE_TESSELLATION:
         return tessellation_hits(a, s->as.tessellation, prim, p, h, false, steps);
     case SHAPE_MESH:     break;
@@ -216,7 +231,7 @@ bool odd_blocks(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Ste
     Hit h;
 
     if (s->kind == SHAPE_INSTANCE)
-        return instance_blocks(&s->as.instance, r, p, steps);
+        return instance_blocks(s->as.instance, r, p, steps);
     h.t = r->tmax;
     h.outer = NO_PRIM;
     if (s->kind == SHAPE_TESSELLATION)
@@ -241,18 +256,18 @@ static V3 affine_spread(const Affine *a, V3 v, float w)
 /* To the error of p come four roundings of the map; and since the ray that leaves the surface has
  * to come back into the object, as many of the inverse map and one of each of the numbers of both,
  * which makes them not quite each other's inverse. */
-static void surface_to_world(const Instance *in, Surface *s)
+static void surface_to_world(const Affine *to_world, const Affine *to_object, Surface *s)
 {
-    V3 size = affine_spread(&in->to_world, v_abs(s->p), 1.0f);
-    V3 back = affine_spread(&in->to_object, size, 1.0f);
-    V3 err = affine_spread(&in->to_world, v_mad(back, ROUNDINGS(8), s->err), 0.0f);
+    V3 size = affine_spread(to_world, v_abs(s->p), 1.0f);
+    V3 back = affine_spread(to_object, size, 1.0f);
+    V3 err = affine_spread(to_world, v_mad(back, ROUNDINGS(8), s->err), 0.0f);
 
-    s->p = affine_point(&in->to_world, s->p);
+    s->p = affine_point(to_world, s->p);
     s->err = v_mad(size, ROUNDINGS(8), err);
-    s->ng = v_unit(affine_transposed(&in->to_object, s->ng));
-    s->ns = v_unit(affine_transposed(&in->to_object, s->ns));
-    s->dpdu = affine_vector(&in->to_world, s->dpdu);
-    s->dpdv = affine_vector(&in->to_world, s->dpdv);
+    s->ng = v_unit(affine_transposed(to_object, s->ng));
+    s->ns = v_unit(affine_transposed(to_object, s->ns));
+    s->dpdu = affine_vector(to_world, s->dpdu);
+    s->dpdv = affine_vector(to_world, s->dpdv);
 }
 
 void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
@@ -269,11 +284,14 @@ void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
         geometry_surface(g, r, h, s);
         return;
     } else {
-        const Instance *in = &top->as.instance;
-        Ray local = into_instance(in, r, r->tmax);
+        const Instance *in = top->as.instance;
+        Affine to_world, to_object;
         Hit inner = *h;
+        Ray local;
+        instance_at(in, r->time, &to_world, &to_object);
+        local = into_space(&to_object, r, r->tmax);
         inner.outer = h->prim;
         accel_surface(in->accel, &local, &inner, s);
-        surface_to_world(in, s);
+        surface_to_world(&to_world, &to_object, s);
     }
 }

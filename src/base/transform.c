@@ -256,3 +256,18 @@ static Affine affine_of(const double m[4][4])
 
 Affine xf_affine(const Transform *t) { return affine_of(t->m); }
 Affine xf_affine_inverse(const Transform *t) { return affine_of(t->inv); }
+
+Box affine_box(const Affine *m, Box b)
+{
+    Box out = box_empty();
+    V3 e;
+
+    if (box_is_empty(b))
+        return out;
+    for (int i = 0; i < 8; i++)
+        out = box_point(out, affine_point(m, v3(i & 1 ? b.hi.x : b.lo.x, i & 2 ? b.hi.y : b.lo.y,
+                                                i & 4 ? b.hi.z : b.lo.z)));
+    e = v_mad(v_max(v_abs(out.lo), v_abs(out.hi)), ROUNDINGS(8),
+              v_all(ROUNDINGS(8) * v_max3(v_sub(out.hi, out.lo))));
+    return (Box){ v_sub(out.lo, e), v_add(out.hi, e) };
+}

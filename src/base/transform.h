@@ -53,5 +53,7 @@ INLINE V3 affine_transposed(const Affine *a, V3 n)
               m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
               m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z);
 }
+/* Box of a box's corners after the map, and the roundings of the map. */
+Box affine_box(const Affine *m, Box b);
 
 #endif

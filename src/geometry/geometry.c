@@ -16,6 +16,10 @@ void geometry_clear(Geometry *g)
             tessellation_clear(g->shapes[i].as.tessellation);
             mem_free(g->shapes[i].as.tessellation);
         }
+        if (g->shapes[i].kind == SHAPE_INSTANCE && g->shapes[i].as.instance) {
+            mem_free(g->shapes[i].as.instance->motion);
+            mem_free(g->shapes[i].as.instance);
+        }
     }
     mem_free(g->p);
     mem_free(g->tri);
@@ -34,6 +38,15 @@ static void *copy_of(const void *array, size_t n, size_t size, bool *ok)
     if (copy && n)
         memcpy(copy, array, n * size);
     *ok = *ok && (copy || !array);
+    return copy;
+}
+
+static Instance *copy_of_instance(const Instance *in, bool *ok)
+{
+    Instance *copy = copy_of(in, 1, sizeof *copy, ok);
+
+    if (copy)
+        copy->motion = copy_of(in->motion, 1, sizeof *copy->motion, ok);
     return copy;
 }
 
@@ -57,6 +70,8 @@ bool geometry_copy(Geometry *to, const Geometry *from)
         to->nshapes = 0;
     for (size_t i = to->nshapes; i-- > 0; ) {
         Shape *s = &to->shapes[i];
+        if (s->kind == SHAPE_INSTANCE)
+            s->as.instance = copy_of_instance(s->as.instance, &ok);
         if (s->kind != SHAPE_MESH)
             continue;
         s->n = copy_of(s->n, end - s->first_vertex, sizeof *s->n, &ok);
@@ -199,22 +214,48 @@ bool geometry_add_tessellation(Geometry *g, Tessellation *t, ShapeTraits traits,
     return true;
 }
 
-bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape)
+/* Takes over motion, which may be NULL, also if it fails. */
+static bool add_instance(Geometry *g, const Instance *what, Motion *motion, uint32_t *shape)
 {
-    uint32_t index = 0;
     ShapeTraits traits = { 0, NO_LIGHT, false };
-    Instance *in;
+    Instance *in = MEM_NEW(Instance);
+    uint32_t index = 0;
 
-    if (!add_shape(g, SHAPE_INSTANCE, traits, &index))
+    if (!in || !add_shape(g, SHAPE_INSTANCE, traits, &index)) {
+        mem_free(in);
+        mem_free(motion);
         return false;
-    in = &g->shapes[index].as.instance;
-    in->child = child;
-    in->to_world = xf_affine(to_world);
-    in->to_object = xf_affine_inverse(to_world);
+    }
+    *in = *what;
+    in->motion = motion;
     in->bounds = box_empty();
+    g->shapes[index].as.instance = in;
     if (shape)
         *shape = index;
     return true;
+}
+
+bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape)
+{
+    Instance in = { .child = child, .to_world = xf_affine(to_world),
+                    .to_object = xf_affine_inverse(to_world) };
+    return add_instance(g, &in, NULL, shape);
+}
+
+bool geometry_add_moving(Geometry *g, uint32_t child, const Motion *motion, uint32_t *shape)
+{
+    Instance in = { .child = child, .to_world = motion->to_world, .to_object = motion->to_object };
+    Motion *own = MEM_NEW(Motion);
+
+    if (!own)
+        return false;
+    *own = *motion;
+    return add_instance(g, &in, own, shape);
+}
+
+Box instance_box(const Instance *in, Box object)
+{
+    return in->motion ? motion_box(in->motion, object) : affine_box(&in->to_world, object);
 }
 
 bool geometry_finish(Geometry *g)
@@ -384,7 +425,7 @@ Box geometry_box(const Geometry *g, uint32_t prim)
     case SHAPE_SPHERE:   return sphere_box(&s->as.sphere);
     case SHAPE_DISK:     return disk_box(&s->as.disk);
     case SHAPE_TESSELLATION: return s->as.tessellation->bounds;
-    case SHAPE_INSTANCE: return s->as.instance.bounds;
+    case SHAPE_INSTANCE: return s->as.instance->bounds;
     case SHAPE_MESH:     break;
     }
     return box_empty();
@@ -605,6 +646,7 @@ void geometry_surface(const Geometry *g, const Ray *r, const Hit *h, Surface *s)
 
     s->shape = shape;
     s->prim = h->prim;
+    s->time = r->time;
     s->uv = (V2){ 0, 0 };
     s->dpdu = s->dpdv = v_all(0.0f);
     s->width = 0.0f;

@@ -9,7 +9,7 @@
 #ifndef GEOMETRY_GEOMETRY_H
 #define GEOMETRY_GEOMETRY_H
 
-#include "base/transform.h"
+#include "base/motion.h"
 #include "geometry/mesh.h"
 #include "geometry/ray.h"
 #include "geometry/tessellation.h"
@@ -38,8 +38,9 @@ struct Accel;
 typedef struct {
     const struct Accel *accel;  /* borrowed: over the geometry that is instanced */
     uint32_t child;             /* which geometry of the scene that is */
-    Affine to_world, to_object;
-    Box bounds;                 /* in the space of the instance, set when accel is */
+    Affine to_world, to_object; /* of one that moves: at time 0 */
+    Motion *motion;             /* owned; NULL: it stands still */
+    Box bounds;                 /* around it at all times; set when accel is */
 } Instance;
 
 #define NO_LIGHT UINT32_MAX
@@ -63,7 +64,7 @@ typedef struct {
         Sphere sphere;
         Disk disk;
         Tessellation *tessellation;     /* owned */
-        Instance instance;
+        Instance *instance;             /* owned: larger than the others */
     } as;
 } Shape;
 
@@ -96,6 +97,7 @@ bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint3
 bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape);
 bool geometry_add_tessellation(Geometry *g, Tessellation *t, ShapeTraits traits, uint32_t *shape);
 bool geometry_add_instance(Geometry *g, uint32_t child, const Transform *to_world, uint32_t *shape);
+bool geometry_add_moving(Geometry *g, uint32_t child, const Motion *motion, uint32_t *shape);
 /* Ends adding: makes the tables that geometry_shape and accelerators need. */
 bool geometry_finish(Geometry *g);
 
@@ -117,6 +119,20 @@ INLINE void geometry_corners(const Geometry *g, uint32_t prim, V3 c[3])
     c[2] = g->p[t->v[2]];
 }
 
+/* The maps of an instance at a time. */
+INLINE void instance_at(const Instance *in, float time, Affine *to_world, Affine *to_object)
+{
+    if (UNLIKELY(in->motion != NULL))
+        motion_at(in->motion, time, to_world, to_object);
+    else {
+        *to_world = in->to_world;
+        *to_object = in->to_object;
+    }
+}
+
+/* Around an instance at all times, of what its object is bounded by. */
+Box instance_box(const Instance *in, Box object);
+
 /* What shading needs to know of a hit. */
 typedef struct {
     V3 p, err;                  /* the point, and a bound of the error of each coordinate */
@@ -127,6 +143,7 @@ typedef struct {
     float width;                /* of the beam that is followed, here; 0: a ray. From geometry: 0 */
     const Shape *shape;         /* borrowed */
     uint32_t prim;              /* or face; within the shape's geometry */
+    float time;                 /* of the ray that met it: rays that leave it have the same */
 } Surface;
 
 /* The corners of a triangle of a mesh or a tessellation. */

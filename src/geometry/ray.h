@@ -7,8 +7,9 @@
 
 #include <stdint.h>
 
-/* Points o + t d with 0 < t <= tmax. d need not be unit; t is in units of its length. */
-typedef struct { V3 o; float tmax; V3 d; } Ray;
+/* Points o + t d with 0 < t <= tmax. d need not be unit; t is in units of its length. time: when,
+ * from 0 to 1, in a scene that moves. */
+typedef struct { V3 o; float tmax; V3 d; float time; } Ray;
 
 #define NO_PRIM UINT32_MAX
 

@@ -31,7 +31,7 @@ static int open_ways(const Ao *it, const Surface *s, const Frame *frame, int fir
         if (v_dot(d, s->ng) <= 0.0f)
             continue;
         ray[rays++] = (Ray){ .o = ray_origin(s->p, s->err, s->ng, d), .d = d,
-                             .tmax = it->distance };
+                             .tmax = it->distance, .time = s->time };
     }
     tracer_blocked_many(t, ray, blocked, rays);
     for (size_t i = 0; i < rays; i++)

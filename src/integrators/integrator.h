@@ -63,10 +63,15 @@ INLINE bool tracer_passes(Tracer *t, const Ray *r, uint32_t medium, Rgb *c)
 /* The ray that tells whether anything stands between the surface point and the light's. */
 INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
 {
+    Ray r;
+
     if (is_finite(to->dist))
-        return ray_between(from->p, from->err, from->ng, to->p, to->err, to->n, to->wi);
-    return (Ray){ .o = ray_origin(from->p, from->err, from->ng, to->wi), .d = to->wi,
-                  .tmax = INFINITY };
+        r = ray_between(from->p, from->err, from->ng, to->p, to->err, to->n, to->wi);
+    else
+        r = (Ray){ .o = ray_origin(from->p, from->err, from->ng, to->wi), .d = to->wi,
+                   .tmax = INFINITY };
+    r.time = from->time;
+    return r;
 }
 
 /* Adds a path of `edges` edges, found by `how`, to the tally. */

@@ -197,7 +197,7 @@ static bool connect(const Path *it, const Eye *e, const Surface *s, const Frame 
 /* The same from a scattering at p. Its phase function is both f |cos| and the density. */
 static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Connection *to)
 {
-    Surface s = { .p = p };
+    Surface s = { .p = p, .time = e->ray.time };
     LightSample ls;
     float phase, weight = 1.0f, pdf;
     const Light *l = towards_light(it, e, p, s.ns, t, &ls, &pdf);

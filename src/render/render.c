@@ -22,6 +22,8 @@ typedef struct {
     Integrator  *integrator;
     Film        *film;
     V2           radius;                /* of the filter */
+    bool         blurs;                 /* the scene moves while the shutter is open */
+    float        time;                  /* else: of all rays */
     Tracer      *tracers;               /* one a worker */
     Tally       *tallies;               /* one a worker; NULL: not wanted */
     uint32_t     first, count;          /* samples of this pass */
@@ -42,13 +44,16 @@ static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t in
     const Camera *c = j->scene->camera;
     Rgb values[1 + AOVS_MAX];
     V2 off, lens = { 0, 0 };
+    float time = j->time;
     Ray r;
 
     sampler_start(&t->sampler, index);
     off = s->filter->sample(sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), j->radius);
-    if (c->kind->has_lens(c))
+    if (c->has_lens)
         lens = sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0));
-    r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens);
+    if (j->blurs)
+        time = scene_time(j->scene, sample_1d(&t->sampler, DECISION(DECIDE_TIME, 0)));
+    r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens, time);
     if (t->tally)
         memset(t->tally, 0, sizeof *t->tally);
     values[0] = j->integrator->kind->radiance(j->integrator, &r, t);
@@ -159,7 +164,8 @@ static float spread_of(const RenderSettings *s, const Camera *c)
 {
     V2 at = { 0.5f * (float)s->w, 0.5f * (float)s->h }, beside = { at.x + 1.0f, at.y };
     V2 middle = { 0.5f, 0.5f };
-    return v_len(v_sub(c->kind->ray(c, beside, middle).d, c->kind->ray(c, at, middle).d));
+    return v_len(v_sub(c->kind->ray(c, beside, middle, 0.0f).d,
+                       c->kind->ray(c, at, middle, 0.0f).d));
 }
 
 static bool job_init(Job *j, uint32_t *spp)
@@ -246,6 +252,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     j.scene = scene;
     j.film = film;
     scene->camera->kind->film(scene->camera, s.w, s.h);
+    j.blurs = scene_blurs(scene);
+    j.time = scene_time(scene, 0.0f);
     ok = job_init(&j, &s.spp) && warn_if_dark(scene, &s);
     if (ok) {
         progress_start(&j.progress);

@@ -25,6 +25,7 @@ Scene *scene_new(void)
     if (!s)
         return NULL;
     s->around = NO_MEDIUM;
+    s->times[1] = 1;
     if (!scene_add_geometry(s, NULL) || !add_neutral(s)) {
         scene_free(s);
         return NULL;
@@ -155,22 +156,6 @@ const Pyramid *scene_pyramid(Scene *s, const Image *of)
 
 /* ---- finishing ---- */
 
-/* Box of a box's corners after a map, and the roundings of the map. */
-static Box map_box(const Affine *m, Box b)
-{
-    Box out = box_empty();
-    V3 e;
-
-    if (box_is_empty(b))
-        return out;
-    for (int i = 0; i < 8; i++)
-        out = box_point(out, affine_point(m, v3(i & 1 ? b.hi.x : b.lo.x, i & 2 ? b.hi.y : b.lo.y,
-                                                i & 4 ? b.hi.z : b.lo.z)));
-    e = v_mad(v_max(v_abs(out.lo), v_abs(out.hi)), ROUNDINGS(8),
-              v_all(ROUNDINGS(8) * v_max3(v_sub(out.hi, out.lo))));
-    return (Box){ v_sub(out.lo, e), v_add(out.hi, e) };
-}
-
 static Box bounds_of(const Geometry *g)
 {
     Box b = box_empty();
@@ -186,7 +171,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
     if (!geometry_finish(g))
         return false;
     for (size_t i = 0; i < g->nshapes; i++) {
-        Instance *in = &g->shapes[i].as.instance;
+        Instance *in = g->shapes[i].as.instance;
         g->shapes[i].plain = !s->materials[g->shapes[i].material].looks_at_uv &&
                              !(g->shapes[i].light != NO_LIGHT &&
                                s->lights[g->shapes[i].light]->textured);
@@ -195,7 +180,7 @@ static bool build_geometry(Scene *s, size_t k, const AccelKind *kind, const Opts
             continue;
         ASSERT(s->accels[in->child] != NULL);
         in->accel = s->accels[in->child];
-        in->bounds = map_box(&in->to_world, bounds_of(in->accel->geo));
+        in->bounds = instance_box(in, bounds_of(in->accel->geo));
     }
     s->accels[k] = accel_build(kind, g, o, threads);
     return s->accels[k] != NULL;
@@ -229,6 +214,31 @@ static bool prepare_lights(Scene *s)
     return true;
 }
 
+static bool anything_moves(const Scene *s)
+{
+    const Geometry *world = &s->geometries[0];
+
+    for (size_t k = 0; k < world->nodd; k++) {
+        const Shape *shape = &world->shapes[world->odd[k]];
+        if (shape->kind == SHAPE_INSTANCE && shape->as.instance->motion)
+            return true;
+    }
+    return s->camera && s->camera->motion;
+}
+
+float scene_time(const Scene *s, float u)
+{
+    const double *open = s->camera->shutter, *whole = s->times;
+    double t = (open[0] + u * (open[1] - open[0]) - whole[0]) / (whole[1] - whole[0]);
+
+    return clamp01((float)t);
+}
+
+bool scene_blurs(const Scene *s)
+{
+    return s->moves && scene_time(s, 0.0f) != scene_time(s, 1.0f);
+}
+
 /* Objects before the world: an object can hold instances only of objects that came before it. */
 bool scene_build_accels(Scene *s, const AccelKind *kind, const Opts *o, int threads)
 {
@@ -252,6 +262,7 @@ bool scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads)
     if (!scene_build_accels(s, kind, o, threads))
         return false;
     set_bounds(s);
+    s->moves = anything_moves(s);
     return prepare_lights(s);
 }
 

@@ -57,7 +57,9 @@ static inline Frame material_frame(const Material *m, const Surface *s)
 
 typedef struct {
     Scene *scene;
-    Transform to_world;         /* current transform */
+    Transform to_world;         /* current transform, at time 0 */
+    Transform to_world_end;     /* cameras: at time 1, if `moves` */
+    bool moves;
     Place at;                   /* of the directive; at.file is what paths are relative to */
     uint64_t max_file, max_pixels;
     uint32_t geometry, shape;   /* area lights: the shape that shines */
@@ -178,20 +180,61 @@ float power_factor(float wanted, Rgb own);
 /* The sky of a bare mesh: soft light from above, a broad key light on one side. NULL: reported. */
 Light *light_studio(const Making *m);
 
-/* ---- cameras: one file a kind; camera.c has the list ---- */
+/* ---- cameras: one file a kind; camera.c has the list ----
+ *
+ * A camera is the sensor of a picture: rays run from its lens, or from its eye where that is a
+ * point, to what it sees, and light comes back along them. Its importance We is defined by the
+ * measurement that is the mean of all pixels [Veach97 8.3], [PBRT4 16.1], [Cline07 (7.2)]:
+ *
+ *     mean = integral of We L |cos| over places on the lens and directions,
+ *
+ * with the cosine at the lens (errata 7.2), so that We |cos| integrates to 1. Places on the picture
+ * and on the lens are chosen uniformly and a pixel is the mean over its filter, so We |cos| is the
+ * density pdf_a pdf_w of rays. A path that is traced from a light and reaches the lens adds, where
+ * filters of a pixel hold its place, (pixels of the picture) times We ... / density to that pixel.
+ *
+ * Deltas. From a point (`point`) pdf_a is 1 and means a delta in place; where each place looks in
+ * one direction only (`parallel`) pdf_w is 1 and means a delta in direction. */
+
+typedef struct {
+    float we;
+    float pdf_a, pdf_w;         /* densities of the place on the lens, and of the direction at it */
+    V2    pixel;                /* where on the picture, in pixels from the top left */
+} CameraView;
+
+/* The way from a point of the scene to the camera. */
+typedef struct {
+    V3    wi;                   /* unit, from the point towards the camera */
+    float dist;
+    V3    p;                    /* the place on the lens */
+    float we;                   /* of the ray from there along -wi */
+    float pdf_w;                /* of wi: f |cos| at the point times we / pdf_w is what a path adds.
+                                 * 1 where there was no choice but to take it (`parallel`) */
+    V2    pixel;
+} CameraSample;
 
 typedef struct Camera Camera;
 typedef struct {
     KindInfo info;
     Camera *(*make)(const Making *m, const Opts *o);    /* to_world: camera to world */
     void (*film)(Camera *c, uint32_t w, uint32_t h);    /* the picture's size, before any ray */
-    /* Whether `lens` matters: a pinhole needs no number drawn for it. */
-    bool (*has_lens)(const Camera *c);
     /* The ray through (x, y) in pixels from the top left, lens position u in [0,1)^2. Unit d. */
-    Ray (*ray)(const Camera *c, V2 pixel, V2 lens);
+    Ray (*ray)(const Camera *c, V2 pixel, V2 lens, float time);
+    /* What there is to say of a ray from a place on the lens, unit d; also of those that pass by
+     * the edges of the picture, where filters reach. False: nothing, it looks elsewhere. */
+    bool (*view)(const Camera *c, const Ray *r, CameraView *v);
+    /* Chooses a place on the lens for light from a point. False: the camera cannot see it. */
+    bool (*sample)(const Camera *c, V3 from, V2 lens, float time, CameraSample *s);
 } CameraKind;
 
-struct Camera { const CameraKind *kind; };
+struct Camera {                 /* first member of every concrete camera */
+    const CameraKind *kind;
+    Affine  to_world, to_camera;        /* of one that moves: at time 0 */
+    const Motion *motion;       /* in the scene's arena; NULL: it stands still */
+    double  shutter[2];         /* opens and closes; in the units of the scene's `times` */
+    bool    has_lens;           /* `lens` matters: a pinhole needs no number drawn for it */
+    bool    point, parallel;    /* deltas, see above */
+};
 extern const CameraKind *const cameras[];       /* ends with NULL */
 
 /* ---- the scene ---- */
@@ -221,6 +264,8 @@ struct Scene {
     SceneImage **images;                /* owned: of textures and lights */
     size_t    nimages, cap_images;
     Camera   *camera;                   /* in the arena, or NULL */
+    double    times[2];                 /* when motions begin and end: times 0 and 1 of rays */
+    bool      moves;                    /* a shape or the camera does; set by scene_build */
     Accel    *accel;                    /* of the world; borrowed from accels */
     Box       bounds;                   /* of the world; set by scene_build */
     V3        centre;                   /* of the sphere around it */
@@ -243,6 +288,12 @@ bool   scene_build(Scene *s, const AccelKind *kind, const Opts *o, int threads);
 /* The structures alone, in place of those that there were. */
 bool   scene_build_accels(Scene *s, const AccelKind *kind, const Opts *o, int threads);
 void   scene_drop_accels(Scene *s);
+
+/* The time of a ray that is made at the part u of the interval in which the camera's shutter is
+ * open: before motions begin things stand as at their start, after they end as at their end. */
+float  scene_time(const Scene *s, float u);
+/* Whether pictures depend on u. */
+bool   scene_blurs(const Scene *s);
 
 /* The light that shines from this surface, or NULL. */
 static inline const Light *scene_light_of(const Scene *s, const Surface *hit)

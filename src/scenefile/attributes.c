@@ -23,6 +23,7 @@ static void restore(Reader *r, const Saved *s)
 {
     if (s->kind == SAVED_TRANSFORM) {
         r->state.ctm = s->state.ctm;
+        r->state.end = s->state.end;
         r->state.at_start = s->state.at_start;
         r->state.at_end = s->state.at_end;
     } else
@@ -119,9 +120,8 @@ bool do_object_instance(Reader *r, Place at)
     if (r->object)
         return err_at(at, child == r->object ? "an object holds an instance of itself"
                                              : "an object cannot hold instances of others");
-    if (r->scene->geometries[child].nshapes == 0)
-        return true;
-    return geometry_add_instance(&r->scene->geometries[0], child, &r->state.ctm, NULL);
+    return mover_place(r, at, child, &r->state.ctm, &r->state.end) &&
+           movers_place(r, at, child, &r->state.ctm, &r->state.end);
 }
 
 /* ---- Attribute "target" parameters ---- */

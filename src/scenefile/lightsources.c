@@ -83,6 +83,9 @@ bool do_light_source(Reader *r, Place at)
         return false;
     if (!params_read(r, SPECTRUM_LIGHT, &ps))
         return false;
+    if (kind && reader_moves(r) && reader_once(r, ONCE_MOTION) &&
+        !warn_at(at, "lights do not move; they stand as at their start"))
+        return false;
     return !kind || make_light(r, at, kind, &ps);
 }
 

@@ -157,9 +157,9 @@ static bool do_world_begin(Reader *r, Place at)
         return false;
     (void)at;
     r->world = true;
-    r->state.ctm = xf_identity();
+    r->state.ctm = r->state.end = xf_identity();
     r->state.at_start = r->state.at_end = true;
-    return system_set(r, "world", &r->state.ctm);
+    return system_set(r, "world", &r->state.ctm, &r->state.end);
 }
 
 static bool do_world_end(Reader *r, Place at)
@@ -175,7 +175,7 @@ static bool begin_silently(Reader *r, Place at, const char *name)
     if (r->camera_seen)
         return err_at(at, "%s stands before WorldBegin", name);
     r->world = true;
-    if (!system_set(r, "world", &r->state.ctm))
+    if (!system_set(r, "world", &r->state.ctm, &r->state.end))
         return false;
     return warn_at(at, "%s stands before WorldBegin; this is read as a part of a world", name);
 }

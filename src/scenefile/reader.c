@@ -13,7 +13,7 @@ bool reader_init(Reader *r, SceneFile *out, const char *path, const ReadLimits *
     r->out = out;
     r->scene = out->scene;
     r->limits = limits;
-    r->state.ctm = xf_identity();
+    r->state.ctm = r->state.end = xf_identity();
     r->state.at_start = r->state.at_end = true;
     r->state.inside = r->state.outside = NO_MEDIUM;
     r->main_path = arena_string(&r->scene->arena, path, strlen(path));
@@ -35,12 +35,17 @@ void reader_clear(Reader *r)
     mem_free(r->masked);
     mem_free(r->textures);
     mem_free(r->transforms);
+    mem_free(r->movers);
     pool_clear(&r->pool);
     mem_free(r->cie);
 }
 
 bool reader_finish(Reader *r)
 {
+    Transform none = xf_identity();
+
+    if (!movers_place(r, (Place){ r->main_path, 0, 0 }, 0, &none, &none))
+        return false;
     if (!r->degenerate)
         return true;
     return warn_at(r->degenerate_at,

@@ -52,8 +52,8 @@ typedef struct { const LightKind *kind; Params params; Place at; } AreaLight;
 
 /* What AttributeBegin saves. */
 typedef struct {
-    Transform ctm;
-    bool      at_start, at_end;         /* ActiveTransform: which times directives change */
+    Transform ctm, end;                 /* current transform, when motions begin and end */
+    bool      at_start, at_end;         /* ActiveTransform: which of them directives change */
     bool      reverse;                  /* ReverseOrientation */
     uint32_t  material;                 /* index in the scene, or MATERIAL_NONE */
     uint32_t  inside, outside;          /* MediumInterface: indices in the scene, or NO_MEDIUM */
@@ -67,13 +67,20 @@ typedef struct { SavedKind kind; State state; Place at; } Saved;
 
 /* Warnings that are given once a scene. */
 typedef enum {
-    ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2
+    ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2, ONCE_INSIDE_OUT = 4
 } Once;
 
 typedef struct { const Texture *texture; uint32_t cost; } NamedTexture;
 
 /* A material that was made of another one and a mask. */
 typedef struct { uint32_t of, material; const Texture *mask; } Masked;
+
+/* A named coordinate system. */
+typedef struct { Transform start, end; } System;
+
+/* A geometry whose shapes move alike: those of the world, or of the object that they are part of,
+ * which takes them along wherever it is placed. */
+typedef struct { uint32_t object, geometry; Transform start, end; } Mover;
 
 typedef struct {
     SceneFile *out;
@@ -97,8 +104,10 @@ typedef struct {
     uint32_t   unseen;          /* the material of borders of media; 0: not made yet */
     NamedTexture *textures;     /* owned; what the two tables of textures number */
     size_t     ntextures, cap_textures;
-    Transform *transforms;      /* owned; what the table of systems numbers */
+    System    *transforms;      /* owned; what the table of systems numbers */
     size_t     ntransforms, cap_transforms;
+    Mover     *movers;          /* owned */
+    size_t     nmovers, cap_movers;
     ParamPool  pool;
     Cie       *cie;             /* owned; made when first wanted */
     uint64_t   generated;       /* triangles made so far */
@@ -110,7 +119,7 @@ typedef struct {
 
 bool reader_init(Reader *r, SceneFile *out, const char *path, const ReadLimits *limits);
 void reader_clear(Reader *r);
-bool reader_finish(Reader *r);          /* the warnings that are counted up to the end */
+bool reader_finish(Reader *r);          /* what moves is placed, what was counted is warned of */
 
 /* The next token of the innermost file; END at its end. */
 bool reader_next(Reader *r, Token *t);
@@ -170,7 +179,7 @@ bool do_coordinate_system(Reader *r, Place at);
 bool do_coord_sys_transform(Reader *r, Place at);
 bool do_active_transform(Reader *r, Place at);
 bool do_transform_times(Reader *r, Place at);
-bool system_set(Reader *r, const char *name, const Transform *t);
+bool system_set(Reader *r, const char *name, const Transform *start, const Transform *end);
 
 bool do_attribute_begin(Reader *r, Place at);   /* attributes.c */
 bool do_attribute_end(Reader *r, Place at);
@@ -231,6 +240,21 @@ bool surface_left_out(const Reader *r, uint32_t material);
 bool surface_material(Reader *r, uint32_t material, uint32_t *index);
 /* What a shape that was added has besides: media on its sides, light. */
 bool surface_finish(Reader *r, const AreaLight *area, uint32_t shape, Place at);
+
+/* ---- movers.c ---- */
+
+bool reader_moves(const Reader *r);             /* the two current transforms differ */
+/* Shapes that are read between begin and end become parts of what moves, if anything does; end is
+ * called if begin succeeded. */
+typedef struct { uint32_t object; Transform ctm; } Moved;
+bool mover_begin(Reader *r, Place at, Moved *was);
+void mover_end(Reader *r, const Moved *was);
+/* Puts a geometry into the world, unless it is empty; and the moving shapes of an object (0: those
+ * of the world itself) that is placed so. */
+bool mover_place(Reader *r, Place at, uint32_t geometry, const Transform *start,
+                 const Transform *end);
+bool movers_place(Reader *r, Place at, uint32_t object, const Transform *start,
+                  const Transform *end);
 
 bool do_shape(Reader *r, Place at);             /* shapes.c */
 /* Adds a mesh given in the space of the current transform. Takes the mesh over in any case. */

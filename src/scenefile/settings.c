@@ -61,6 +61,7 @@ bool do_accelerator(Reader *r, Place at)
 static const CameraKind *camera_kind(const char *name, bool *known)
 {
     const CameraKind *kind = kind_find(cameras, name);
+
     *known = kind != NULL;
     return kind ? kind : kind_find(cameras, "perspective");
 }
@@ -68,7 +69,7 @@ static const CameraKind *camera_kind(const char *name, bool *known)
 static bool camera_make(Reader *r, Place at, const CameraKind *kind, Params *ps, bool known)
 {
     double room[PARAMS_MAX][3];
-    Transform inverse = xf_inverse(&r->state.ctm);
+    Transform inverse = xf_inverse(&r->state.ctm), end = xf_inverse(&r->state.end);
     Making m;
     Opts o;
 
@@ -79,11 +80,13 @@ static bool camera_make(Reader *r, Place at, const CameraKind *kind, Params *ps,
     if (!opts_params(&o, kind->info.name, ps) || !reader_making(r, at, NULL, &m))
         return false;
     m.to_world = inverse;
+    m.to_world_end = end;
+    m.moves = reader_moves(r);
     r->scene->camera = kind->make(&m, &o);
     if (!r->scene->camera)
         return false;
     r->scene->camera->kind = kind;
-    return system_set(r, "camera", &inverse);
+    return system_set(r, "camera", &inverse, &end);
 }
 
 bool do_camera(Reader *r, Place at)

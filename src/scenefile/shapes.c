@@ -441,7 +441,8 @@ bool do_shape(Reader *r, Place at)
     Param list[PARAMS_MAX + DEFAULTS_MAX];
     const ShapeReader *s;
     char *name;
-    bool nowhere;
+    bool nowhere, ok;
+    Moved was;
     Opts o;
 
     if (!reader_string(r, "the kind of shape", &t) || !(name = reader_text(r, &t)))
@@ -458,5 +459,11 @@ bool do_shape(Reader *r, Place at)
     opts_default(&o, s->info.options);
     if (!surface_mask(r, &all, &nowhere) || !opts_params(&o, s->info.name, &all))
         return false;
-    return nowhere || s->read(r, at, &all, &o);
+    if (nowhere)
+        return true;
+    if (!mover_begin(r, at, &was))
+        return false;
+    ok = s->read(r, at, &all, &o);
+    mover_end(r, &was);
+    return ok;
 }

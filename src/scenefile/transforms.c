@@ -2,7 +2,7 @@
  * onto it from the right, so that the one nearest to a shape acts first.
  *
  * A scene may move: ActiveTransform chooses whether a directive changes the transform of the start,
- * of the end, or of both. Pictures are of the start; a warning says so. */
+ * of the end, or of both. Shapes, objects and the camera for which the two differ move. */
 #include "scenefile/reader.h"
 
 #include <float.h>
@@ -17,23 +17,27 @@ static bool all_finite(const Transform *t)
     return true;
 }
 
-/* Sets the current transform, if directives act on the start just now. */
-static bool set(Reader *r, Place at, const Transform *t)
+static bool set_one(Place at, Transform *which, const Transform *t)
 {
     if (!all_finite(t))
         return err_at(at, "the current transform becomes infinite or flat");
-    if (r->state.at_start != r->state.at_end && reader_once(r, ONCE_MOTION) &&
-        !warn_at(at, "motion is not rendered; the scene stands as at its start"))
-        return false;
-    if (r->state.at_start)
-        r->state.ctm = *t;
+    *which = *t;
     return true;
+}
+
+/* Sets the current transforms on which directives act just now. */
+static bool set(Reader *r, Place at, const Transform *t)
+{
+    return (!r->state.at_start || set_one(at, &r->state.ctm, t)) &&
+           (!r->state.at_end || set_one(at, &r->state.end, t));
 }
 
 static bool append(Reader *r, Place at, const Transform *t)
 {
-    Transform all = xf_then(&r->state.ctm, t);
-    return set(r, at, &all);
+    Transform start = xf_then(&r->state.ctm, t), end = xf_then(&r->state.end, t);
+
+    return (!r->state.at_start || set_one(at, &r->state.ctm, &start)) &&
+           (!r->state.at_end || set_one(at, &r->state.end, &end));
 }
 
 bool do_identity(Reader *r, Place at)
@@ -125,16 +129,17 @@ bool do_concat_transform(Reader *r, Place at)
 
 /* ---- named systems ---- */
 
-bool system_set(Reader *r, const char *name, const Transform *t)
+bool system_set(Reader *r, const char *name, const Transform *start, const Transform *end)
 {
     uint32_t i = names_find(&r->systems, name);
+    System system = { *start, *end };
 
     if (i != NAME_NONE) {
-        r->transforms[i] = *t;
+        r->transforms[i] = system;
         return true;
     }
     return names_set(&r->systems, &r->out->arena, name, (uint32_t)r->ntransforms) &&
-           MEM_PUSH(r->transforms, r->ntransforms, r->cap_transforms, *t);
+           MEM_PUSH(r->transforms, r->ntransforms, r->cap_transforms, system);
 }
 
 bool do_coordinate_system(Reader *r, Place at)
@@ -145,7 +150,7 @@ bool do_coordinate_system(Reader *r, Place at)
     if (!reader_string(r, "the name of the coordinate system", &t))
         return false;
     name = reader_text(r, &t);
-    return name && system_set(r, name, &r->state.ctm);
+    return name && system_set(r, name, &r->state.ctm, &r->state.end);
 }
 
 bool do_coord_sys_transform(Reader *r, Place at)
@@ -162,7 +167,8 @@ bool do_coord_sys_transform(Reader *r, Place at)
         return false;
     i = names_find(&r->systems, name);
     if (i != NAME_NONE)
-        return set(r, at, &r->transforms[i]);
+        return set_one(at, &r->state.ctm, &r->transforms[i].start) &&
+               set_one(at, &r->state.end, &r->transforms[i].end);
     near = names_nearest(&r->systems, name);
     return warn_at(t.at, "unknown coordinate system '%.80s'%s%s%s; the transform stays", name,
                    near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
@@ -187,6 +193,12 @@ bool do_active_transform(Reader *r, Place at)
 bool do_transform_times(Reader *r, Place at)
 {
     double v[2];
-    (void)at;
-    return reader_numbers(r, "TransformTimes", 2, v);
+
+    if (!reader_numbers(r, "TransformTimes", 2, v))
+        return false;
+    if (!(v[0] < v[1]))
+        return err_at(at, "TransformTimes needs a start before its end");
+    r->scene->times[0] = v[0];
+    r->scene->times[1] = v[1];
+    return true;
 }
