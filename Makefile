@@ -36,7 +36,7 @@ demo: all
 # Every scene, small, and all of them on one sheet. SPP=n for other than 64 samples a pixel.
 gallery: all
 	+@$(RUN) build/$(V)/bench
-	@sh bench/gallery.sh build/$(V)/bench scenes/gallery.png $(SPP)
+	@sh bench/gallery.sh build/$(V)/bench scenes/all.png $(SPP)
 
 install: all
 	mkdir -p $(DESTDIR)$(PREFIX)/bin

@@ -1,5 +1,5 @@
 #!/bin/sh
-# gallery.sh BENCH OUT SPP -- renders every scene of scenes/, 240 pixels wide, and puts them all on
+# gallery.sh BENCH OUT SPP -- renders every scene of scenes/, 232 pixels wide, and puts them all on
 # one sheet, in the order of their names.
 set -eu
 bench=$1 out=$2 spp=$3
@@ -9,7 +9,7 @@ for scene in scenes/*.pbrt; do
     name=${scene##*/}
     size=$(awk '{ for (i = 1; i < NF; i++) if ($i ~ /^[xy]resolution"$/) { v = $(i + 1)
             if (v == "[") v = $(i + 2); if ($i ~ /^x/) x = v; else y = v } }
-        END { print 240 "x" int(240 * y / x + 0.5) }' "$scene")
+        END { print 232 "x" int(232 * y / x + 0.5) }' "$scene")
     ./rushlight "$scene" --spp "$spp" --size "$size" --quiet -o "$work/${name%.pbrt}.pfm"
 done
-"$bench" sheet 6 160 120 "$out" "$work"/*.pfm
+"$bench" sheet 8 116 84 "$out" "$work"/*.pfm

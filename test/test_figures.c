@@ -54,8 +54,8 @@ static void implicit(void)
         EXPECT(m.ntris == n / 2 * 2 && m.nverts == m.ntris / 2, "%lu triangles", (unsigned long)n);
         mesh_check_closed("ring", &m, 0);
         check_normals("ring", &m, 2);
-        EXPECT(mesh_volume(&m) < full && mesh_volume(&m) > full * (1 - 110.0 / n), "volume %g of %g",
-               mesh_volume(&m), full);
+        EXPECT(mesh_volume(&m) < full && mesh_volume(&m) > full * (1 - 110.0 / n),
+               "volume %g of %g", mesh_volume(&m), full);
         for (uint32_t i = 0; i < m.nverts; i++) {
             double p[3] = { m.p[i].x, m.p[i].y, m.p[i].z };
             EXPECT(fabs(ring_at(&ring, p)) < 2.0 / n, "%g off the surface", ring_at(&ring, p));
