@@ -9,6 +9,7 @@ PORTABLE = 0
 PREFIX   = /usr/local
 DESTDIR  =
 T        =
+SPP      = 64
 
 RUN = sh src/rules.sh "$(V)" "$(PORTABLE)" "$(CC)" "$(CFLAGS)" "$(LDFLAGS)" && \
       $(MAKE) -f build/$(V)/rules.mk
@@ -32,6 +33,11 @@ bench: all
 demo: all
 	./rushlight scenes/cornell.pbrt -o cornell.png
 
+# Every scene, small, and all of them on one sheet. SPP=n for other than 64 samples a pixel.
+gallery: all
+	+@$(RUN) build/$(V)/bench
+	@sh bench/gallery.sh build/$(V)/bench scenes/all.png $(SPP)
+
 install: all
 	mkdir -p $(DESTDIR)$(PREFIX)/bin
 	cp rushlight $(DESTDIR)$(PREFIX)/bin/rushlight
@@ -42,6 +48,7 @@ clean:
 help:
 	@echo "make             build ./rushlight          make check    run the tests"
 	@echo "make demo        render cornell.png         make bench    speed and memory tables"
+	@echo "make gallery     every scene, on one sheet"
 	@echo "make check-long  the slower proofs          make check T=accel   some of the tests"
 	@echo "make bench T=memory|speed|arity     tables of [Cline07], also of your own: MODELS=dir make ..."
 	@echo "make V=debug|asan|tsan|plain  other builds, in build/V"
@@ -50,4 +57,4 @@ help:
 
 rules:
 
-.PHONY: all check check-long bench demo install clean help rules
+.PHONY: all check check-long bench demo gallery install clean help rules

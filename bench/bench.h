@@ -15,6 +15,9 @@ void bench_memory(void);        /* table 3.1 of the document */
 void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 
+/* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
+int sheet(int argc, char **argv);
+
 /* The rays of table 3.2 for a scene, with the answers of the default structure. False: reported. */
 bool primary_rays(CastScene *c, RaySet *primary);
 

@@ -1,7 +1,8 @@
 /* main.c -- the benchmarks: bench [TEXT] runs those whose name contains TEXT. Lines with tabs, or
  * tables, on standard output; figures of the best peers, and of the document, stand beside ours
  * where there are any. Each figure is the median of several runs after a warm-up, in CPU time of
- * the process; what was computed is checked, and a line that fails its check says WRONG. */
+ * the process; what was computed is checked, and a line that fails its check says WRONG.
+ * `bench sheet ...` measures nothing: it puts pictures side by side, for `make gallery`. */
 #include "bench/bench.h"
 
 #include <stdio.h>
@@ -33,6 +34,8 @@ int main(int argc, char **argv)
 {
     const char *text = argc > 1 ? argv[1] : "";
 
+    if (!strcmp(text, "sheet"))
+        return sheet(argc - 2, argv + 2);
     messages_quiet(true);
     machine();
     for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)

@@ -57,7 +57,7 @@
     { "shape/torus", 0xF323CD529F58A6C4 },
     { "shape/box", 0xB05F05F771E31B04 },
     { "shape/lathe", 0x0612FC168E557DC9 },
-    { "shape/generated", 0x85FE604F86AE2909 },
+    { "shape/generated", 0xD5F1B484E23C4C15 },
     { "camera/perspective", 0x30C386BF437B246F },
     { "camera/orthographic", 0xA8DB2D0BB467CC63 },
     { "camera/spherical", 0xB0A30420CE5C279A },

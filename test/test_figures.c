@@ -53,9 +53,9 @@ static void implicit(void)
         REQUIRE(implicit_mesh(&m, &f, n), "refused");
         EXPECT(m.ntris == n / 2 * 2 && m.nverts == m.ntris / 2, "%lu triangles", (unsigned long)n);
         mesh_check_closed("ring", &m, 0);
-        check_normals("ring", &m, 1);
-        EXPECT(mesh_volume(&m) < full && mesh_volume(&m) > full * (1 - 80.0 / n), "volume %g of %g",
-               mesh_volume(&m), full);
+        check_normals("ring", &m, 2);
+        EXPECT(mesh_volume(&m) < full && mesh_volume(&m) > full * (1 - 110.0 / n),
+               "volume %g of %g", mesh_volume(&m), full);
         for (uint32_t i = 0; i < m.nverts; i++) {
             double p[3] = { m.p[i].x, m.p[i].y, m.p[i].z };
             EXPECT(fabs(ring_at(&ring, p)) < 2.0 / n, "%g off the surface", ring_at(&ring, p));
@@ -74,10 +74,10 @@ static void implicit(void)
 
 /* ---- figures ---- */
 
-/* V - E + F of each: the skull has two cheek bones that bridge, jaws that meet at joints and teeth;
- * what matters is that it stays what was looked at. */
+/* V - E + F of each. The skull has three handles: two between jaw and cheek bones, one among the
+ * teeth, where gaps are as thin as the triangles. */
 static const struct { const char *name; FigureKind kind; long euler; } figures[] = {
-    { "rock", FIGURE_ROCK, 2 }, { "knot", FIGURE_KNOT, 0 }, { "skull", FIGURE_SKULL, -2 },
+    { "rock", FIGURE_ROCK, 2 }, { "knot", FIGURE_KNOT, 0 }, { "skull", FIGURE_SKULL, -4 },
     { "statue", FIGURE_STATUE, 2 }, { "hare", FIGURE_HARE, 2 }, { "dragon", FIGURE_DRAGON, 2 },
 };
 
@@ -88,10 +88,10 @@ static void bodies(void)
 
     for (size_t k = 0; k < sizeof figures / sizeof *figures; k++) {
         const char *name = figures[k].name;
-        REQUIRE(figure_mesh(&m, figures[k].kind, 30001, 5), "%s", name);
+        REQUIRE(figure_mesh(&m, figures[k].kind, 40001, 5), "%s", name);
         EXPECT(!mesh_fault(&m), "%s: %s", name, mesh_fault(&m));
         /* Cutting fills up to the number; the knot rounds down to whole rings. */
-        EXPECT(m.ntris <= 30000 && m.ntris > 29900 && m.ntris % 2 == 0, "%s: %lu triangles", name,
+        EXPECT(m.ntris <= 40000 && m.ntris > 39900 && m.ntris % 2 == 0, "%s: %lu triangles", name,
                (unsigned long)m.ntris);
         mesh_check_closed(name, &m, figures[k].euler);
         check_normals(name, &m, figures[k].kind == FIGURE_SKULL ? 20 : 4);
@@ -104,7 +104,7 @@ static void bodies(void)
             EXPECT(b.lo.z > -0.12f && b.lo.z < 0.02f && b.hi.z > 0.8f && b.hi.z < 1.1f,
                    "%s: z from %g to %g", name, (double)b.lo.z, (double)b.hi.z);
         EXPECT(mesh_drop_degenerate(&m) == 0, "%s: triangles without area", name);
-        REQUIRE(figure_mesh(&again, figures[k].kind, 30001, 6), "%s", name);
+        REQUIRE(figure_mesh(&again, figures[k].kind, 40001, 6), "%s", name);
         EXPECT((figures[k].kind == FIGURE_ROCK) ==
                    (m.nverts != again.nverts || memcmp(m.p, again.p, m.nverts * sizeof *m.p)),
                "%s: the seed", name);

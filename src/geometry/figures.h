@@ -11,8 +11,9 @@ typedef enum {
 
 /* Closed, with unit normals, counter-clockwise from outside, of ntris triangles, 1000 at least (an
  * odd number becomes one less). All are about 1 high, stand on z = 0 (the knot lies about the
- * origin, 2 wide) and look towards -y. `seed` gives other rocks. *m must be empty; false: reported,
- * *m empty. */
+ * origin, 2 wide) and look towards -y. `seed` gives other rocks. With fewer than 40,000 triangles
+ * the thinnest parts (tips of spines, gaps of teeth) may come apart or close. *m must be empty;
+ * false: reported, *m empty. */
 bool figure_mesh(Mesh *m, FigureKind kind, uint32_t ntris, uint64_t seed);
 
 #endif

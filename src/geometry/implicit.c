@@ -94,10 +94,13 @@ static double crossing(const Implicit *f, const double p[3], const double d[3], 
 
 /* ---- vertices ---- */
 
+/* The lattice begins a part of a cube before the box, another along each axis: with round numbers
+ * its planes would lie in flat sides of the surface, where signs are those of rounding errors. */
 static void lattice_point(const March *w, const uint32_t at[3], double p[3])
 {
+    static const double before[3] = { 0.618034, 0.414214, 0.732051 };
     for (int k = 0; k < 3; k++)
-        p[k] = w->f->lo[k] + at[k] * w->h;
+        p[k] = w->f->lo[k] + (at[k] - before[k]) * w->h;
 }
 
 static bool new_vertex(March *w, uint64_t key, const double p[3])
@@ -267,7 +270,7 @@ static bool march(Mesh *m, const Implicit *f, uint32_t cubes, double *h)
         longest = d_max(longest, f->hi[k] - f->lo[k]);
     *h = w->h = longest / cubes;
     for (int k = 0; k < 3; k++)
-        w->n[k] = (uint32_t)ceil((f->hi[k] - f->lo[k]) / w->h * (1 - 1e-9));
+        w->n[k] = (uint32_t)ceil((f->hi[k] - f->lo[k]) / w->h + 0.75);
     for (w->first[2] = 0; ok && w->first[2] < w->n[2]; w->first[2] += BLOCK)
         for (w->first[1] = 0; ok && w->first[1] < w->n[1]; w->first[1] += BLOCK)
             for (w->first[0] = 0; ok && w->first[0] < w->n[0]; w->first[0] += BLOCK)
