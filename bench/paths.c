@@ -104,7 +104,7 @@ static double paired_relmse(const Image *a, const Image *r, const Image *q)
 static void error_after(const char *scene, const char *reference, const char *peer)
 {
     const char *root = getenv("RUSHLIGHT_DATA");
-    Image im = { 0, 0, NULL }, ref = { 0, 0, NULL }, own = { 0, 0, NULL };
+    Image im = { 0 }, ref = { 0 }, own = { 0 };
     char path[600];
     ImageDifference d;
     RenderReport r, unused;

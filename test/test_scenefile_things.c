@@ -334,8 +334,9 @@ static void mixtures_shine(void)
 static void bumps(void)
 {
     static Rgb pixels[16 * 16];
-    const Image im = { 16, 16, pixels };
-    Texture t = { .kind = TEXTURE_IMAGE, .image = &im, .value = { 1, 1, 1 }, .su = 1, .sv = 1 };
+    const Image im = { 16, 16, pixels, NULL };
+    Texture t = { .kind = TEXTURE_IMAGE, .image = &im, .value = { 1, 1, 1 },
+                  .map = { .su = 1, .sv = 1 } };
     Material m = { .bump = &t };
 
     for (int y = 0; y < 16; y++)                /* v runs upwards, rows downwards */

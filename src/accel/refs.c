@@ -196,7 +196,7 @@ INLINE F4 bins_at(const Bins *b, F4 centre)
     return f4_min(f4_max(at, f4_all(0.0f)), b->last);
 }
 
-/* Cost of n primitives that are tested 2^shift at a time: no division, there are many to be told. */
+/* Cost of n primitives that are tested 2^shift at a time; divisions would take long. */
 INLINE float groups(uint32_t n, int shift)
 {
     return (float)(((uint64_t)n + ((uint32_t)1 << shift) - 1) >> shift);
@@ -299,8 +299,8 @@ static Box centres_of(const Ref *refs, size_t n)
     return bounds_box(all);
 }
 
-/* In pieces that do not overlap: what was stored a moment ago is loaded again in the same pieces, for
- * which processors need not wait. */
+/* In pieces that do not overlap: what was stored a moment ago is loaded again in the same pieces,
+ * for which processors need not wait. */
 INLINE void refs_exchange(Ref *a, Ref *b)
 {
     uint64_t x[3], y[3];

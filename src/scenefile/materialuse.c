@@ -2,25 +2,15 @@
  * place, bumps, opacity, and factors that no table has. See reader.h.
  *
  * A texture that is the same everywhere becomes a number. */
-#include "scenefile/reader.h"
+#include "scenefile/textures.h"
 
 #include <string.h>
 
 /* ---- textures ---- */
 
-static Texture *new_texture(Reader *r, TextureKind kind)
-{
-    Texture *t = arena_take(&r->scene->arena, 1, sizeof *t);
-    if (t) {
-        t->kind = kind;
-        t->su = t->sv = 1;
-    }
-    return t;
-}
-
 const Texture *texture_constant(Reader *r, Rgb value)
 {
-    Texture *t = new_texture(r, TEXTURE_CONSTANT);
+    Texture *t = texture_new(r, TEXTURE_CONSTANT);
     if (t)
         t->value = value;
     return t;
@@ -31,7 +21,7 @@ const Texture *texture_product(Reader *r, const Texture *a, const Texture *b)
     Texture *t;
     if (a->kind == TEXTURE_CONSTANT && b->kind == TEXTURE_CONSTANT)
         return texture_constant(r, rgb_mul(a->value, b->value));
-    t = new_texture(r, TEXTURE_SCALE);
+    t = texture_new(r, TEXTURE_SCALE);
     if (t) {
         t->a = a;
         t->b = b;

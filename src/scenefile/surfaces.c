@@ -10,21 +10,6 @@
 
 /* ---- masks ---- */
 
-static const Texture *product(Reader *r, const Texture *a, const Texture *b)
-{
-    Texture *t;
-
-    if (!a || !b)
-        return a ? a : b;
-    t = arena_take(&r->scene->arena, 1, sizeof *t);
-    if (t) {
-        t->kind = TEXTURE_SCALE;
-        t->a = a;
-        t->b = b;
-    }
-    return t;
-}
-
 static bool masked(Reader *r, uint32_t of, const Texture *mask, uint32_t *index)
 {
     Material m = r->scene->materials[of];
@@ -36,21 +21,11 @@ static bool masked(Reader *r, uint32_t of, const Texture *mask, uint32_t *index)
             return true;
         }
     m.borrows = true;
-    m.opacity = product(r, m.opacity, mask);
+    m.opacity = m.opacity ? texture_product(r, m.opacity, mask) : mask;
     if (!m.opacity || !scene_add_material(r->scene, &m, &entry.material))
         return false;
     *index = entry.material;
     return MEM_PUSH(r->masked, r->nmasked, r->cap_masked, entry);
-}
-
-static const Texture *constant(Reader *r, double value)
-{
-    Texture *t = arena_take(&r->scene->arena, 1, sizeof *t);
-    if (t) {
-        t->kind = TEXTURE_CONSTANT;
-        t->value = rgb_all((float)value);
-    }
-    return t;
 }
 
 /* The mask of the shape to come; one number for all is a texture of its own, but 0.  */
@@ -73,7 +48,7 @@ bool surface_mask(Reader *r, const Params *ps, bool *nowhere)
         return err_at(p->at, "\"alpha\" is not right, expected a number or a texture");
     if (p->numbers[0] >= 1)
         return true;
-    r->mask = constant(r, p->numbers[0]);
+    r->mask = texture_constant(r, rgb_all((float)p->numbers[0]));
     return r->mask != NULL;
 }
 
@@ -87,7 +62,7 @@ static bool unseen(Reader *r, uint32_t *index)
     const Texture *nothing;
 
     if (!r->unseen) {
-        nothing = constant(r, 0);
+        nothing = texture_constant(r, rgb_all(0.0f));
         if (!nothing || !masked(r, 0, nothing, &r->unseen))
             return false;
     }

@@ -4,14 +4,6 @@
 
 #include <string.h>
 
-static Texture *constant(Reader *r, Rgb value)
-{
-    Texture *t = texture_new(r, TEXTURE_CONSTANT);
-    if (t)
-        t->value = value;
-    return t;
-}
-
 static uint32_t find_index(const Reader *r, const char *name, bool colour)
 {
     uint32_t i = names_find(colour ? &r->colour_textures : &r->float_textures, name);
@@ -61,7 +53,7 @@ static bool operand(Build *b, const char *name, float otherwise, const Texture *
         value.b = (float)p->numbers[p->n == 3 ? 2 : 0];
     }
     if (!*t)
-        *t = constant(b->r, value);
+        *t = texture_constant(b->r, value);
     return *t != NULL;
 }
 
@@ -305,7 +297,7 @@ bool do_texture(Reader *r, Place at)
     params_with_defaults(r, TARGET_TEXTURE, &ps, list, &all);
     if (k >= 0 && !classes[k].make(&b, at, &t))
         return false;
-    if (!t && !(t = constant(r, rgb_all(0.5f))))
+    if (!t && !(t = texture_constant(r, rgb_all(0.5f))))
         return false;
     return unused(&all, k) && enter(r, at, name, b.colour, t, b.cost);
 }
