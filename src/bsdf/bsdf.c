@@ -3,12 +3,14 @@
 
 extern const BsdfKind bsdf_diffuse, bsdf_orennayar, bsdf_diffusetransmission, bsdf_phong,
                       bsdf_mirror, bsdf_dielectric, bsdf_thindielectric, bsdf_conductor,
-                      bsdf_coateddiffuse, bsdf_ashikhminshirley;
+                      bsdf_coateddiffuse, bsdf_ashikhminshirley, bsdf_ward, bsdf_blinn,
+                      bsdf_lafortune, bsdf_measured;
 
 const BsdfKind *const bsdfs[] = {
     &bsdf_diffuse, &bsdf_orennayar, &bsdf_diffusetransmission, &bsdf_phong, &bsdf_mirror,
     &bsdf_dielectric, &bsdf_thindielectric, &bsdf_conductor, &bsdf_coateddiffuse,
-    &bsdf_ashikhminshirley, &bsdf_mix, NULL
+    &bsdf_ashikhminshirley, &bsdf_ward, &bsdf_blinn, &bsdf_lafortune,
+    &bsdf_measured, &bsdf_mix, NULL
 };
 
 Rgb bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance)
