@@ -340,6 +340,7 @@ static void wrong_inputs(void)
 static const struct { const char *name; const void *list; } SETS[] = {
     { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
+    { "media", medium_kinds },
     { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
     { "formats", image_formats },   { "tonemaps", tonemaps },
 };
