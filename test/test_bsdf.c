@@ -675,6 +675,32 @@ static void test_peaks(void)
     }
 }
 
+/* f cos, which is what [Cline07 5.2.2] calls f, is large at the peaks: not below a quarter of the
+ * largest among samples. Rough facets have their largest value beyond the mirrored direction where
+ * the eye grazes, so it is asked for up to 65 degrees. */
+static void test_peaks_hold_the_maximum(void)
+{
+    static Model m[MOST];
+    int n = models_make(m);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 8 && !is_delta(&m[i]); k++) {
+            V3 wo = wo_of(k), peak[16];
+            int count = m[i].b.kind->peaks(&m[i].b, wo, peak);
+            double at_peaks = 0.0, most = 0.0;
+            Rng rng = rng_seed((uint64_t)i);
+            for (int p = 0; p < count; p++)
+                at_peaks = d_max(at_peaks, fabsf(peak[p].z) *
+                                           mean_of(eval(&m[i], wo, peak[p])));
+            for (int d = 0; d < 1000; d++) {
+                BsdfSample s;
+                if (sample(&m[i], wo, &rng, &s) && !(s.flags & BSDF_SPECULAR))
+                    most = d_max(most, fabsf(s.wi.z) * mean_of(eval(&m[i], wo, s.wi)));
+            }
+            EXPECT(at_peaks >= 0.25 * most, "%s from %d: f cos at peaks %g, elsewhere %g",
+                   m[i].name, k, at_peaks, most);
+        }
+}
+
 /* ---- naive twins ---- */
 
 /* Reflectance of a metal by complex arithmetic, from the textbook. */
@@ -973,6 +999,7 @@ const TestCase test_bsdf[] = {
     { "edges", test_edges, false },
     { "wild_parameters", test_wild_parameters, false },
     { "peaks", test_peaks, false },
+    { "peaks_hold_the_maximum", test_peaks_hold_the_maximum, false },
     { "fresnel", test_fresnel, false },
     { "twins", test_twins, false },
     { "conductor_options", test_conductor_options, false },

@@ -404,7 +404,52 @@ static void lamp_in_sphere(void)
     lab_clear(&l);
 }
 
+/* A ball in a uniform sky sends out no more than the sky, whatever it is made of, and those that
+ * lose nothing exactly that. The ball is closed, so what is refracted comes out again. */
+static void white_balls(void)
+{
+    static const struct { const char *kind, *options; double keeps; } rows[] = {
+        { "diffuse", "reflectance=1", 1 },
+        { "orennayar", "reflectance=1,sigma=20", 0 },
+        { "diffusetransmission", "reflectance=0.5,transmittance=0.5", 1 },
+        { "phong", "reflectance=0.5,specular=0.5,exponent=20", 0 },
+        { "mirror", "reflectance=1", 1 },
+        { "dielectric", "eta=1.5", 1 },
+        { "dielectric", "eta=1.5,roughness=0.3", 0 },
+        { "thindielectric", "", 1 },
+        { "conductor", "reflectance=1,uroughness=0.5,vroughness=0.1", 0 },
+        { "coateddiffuse", "reflectance=1,roughness=0.3", 0 },
+        { "ashikhminshirley", "reflectance=1,specular=0.2,nu=5,nv=500", 0 },
+        { "ward", "reflectance=0.2,specular=0.8,uroughness=0.3,vroughness=0.1", 0 },
+        { "blinn", "reflectance=0.2,specular=0.8,exponent=10", 0 },
+        { "lafortune", "reflectance=0.8", 0 },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        V3 eye = v3(0, 0, 1.02f);               /* close by: many rays meet the ball */
+        Gauge g = { ray_anywhere, &eye, 4096, 71 + i, 0 };
+        const Stat *L;
+        Meter m;
+        Lab l;
+
+        lab_init(&l);
+        lab_sphere(&l, v_all(0), 1.0f, lab_material(&l, rows[i].kind, rows[i].options), false);
+        lab_light(&l, "infinite", "L=1", NULL);
+        lab_build(&l);
+        lab_open(&l, "maxdepth=200,roulette=100000");
+        lab_measure(&l, &g, &m);
+        L = meter_radiance(&m);
+        EXPECT(L->mean <= 1.0 + 5.6 * stat_error(L) + 1e-4, "%s:%s sends out %.5f +- %.5f",
+               rows[i].kind, rows[i].options, L->mean, stat_error(L));
+        EXPECT(rows[i].keeps == 0.0 || L->mean >= 1.0 - 5.6 * stat_error(L) - 1e-4,
+               "%s:%s sends out only %.5f +- %.5f", rows[i].kind, rows[i].options, L->mean,
+               stat_error(L));
+        EXPECT(L->mean > 0.6, "%s:%s sends out %.5f", rows[i].kind, rows[i].options, L->mean);
+        lab_clear(&l);
+    }
+}
+
 const TestCase test_physics_furnace[] = {
+    { "white_balls", white_balls, false },
     { "bounces_cube", cube, false },
     { "bounces_room", room, false },
     { "bounces_blob", blob, false },

@@ -238,6 +238,7 @@ static Rgb albedo(const Bsdf *b, V3 wo)
     return rgb_add(rgb_scale(d->reflectance, R), rgb_scale(d->transmittance, T));
 }
 
+/* Rough glass also lets light pass almost straight, by facets that face wo. */
 static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
 {
     const Dielectric *d = of(b);
@@ -245,6 +246,8 @@ static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
     int n = ggx_peaks(d->facets, wo, peak);
     if (t > 0.0)
         peak[n++] = refracted(wo, eta, t);
+    if (!is_polished(d))
+        peak[n++] = v_neg(wo);
     return n;
 }
 
