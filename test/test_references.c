@@ -1,9 +1,9 @@
 /* test_references.c -- published scenes against the pictures that were published with them, which
- * another renderer made. Means agree within 2 % once the scene files say what the pictures were made
- * of: their export to the scene language lost the tint of metals, which the twins of these files for
- * other renderers have. So it is put in here, as a mixture of the metal with black: 0.3 of all plates
- * of veach-mis, tiles of 0.8 and 0.2 on the floor of veach-ajar. What still differs is where light
- * goes, not how much: those plates had the facets of Beckmann, ours are GGX. */
+ * another renderer made. Means agree within 2 % once the scene files say what the pictures were
+ * made of: their export to the scene language lost the tint of metals, which the twins of these
+ * files for other renderers have. So it is put in here, as a mixture of the metal with black: 0.3
+ * of all plates of veach-mis, tiles of 0.8 and 0.2 on the floor of veach-ajar. What still differs
+ * is where light goes, not how much: those plates had the facets of Beckmann, ours are GGX. */
 #include "base/file.h"
 #include "image/image.h"
 #include "test/cli_help.h"
@@ -19,7 +19,8 @@ typedef struct {
     double tolerance;
 } Reference;
 
-#define BLACK "MakeNamedMaterial \"black\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+#define BLACK "MakeNamedMaterial \"black\" \"string type\" \"diffuse\" " \
+    "\"rgb reflectance\" [0 0 0]\n"
 #define TINTED(name) "MakeNamedMaterial \"" name "\" \"string type\" \"mix\" " \
     "\"string materials\" [\"" name " bare\" \"black\"] \"float amount\" 0.7\n"
 
