@@ -308,7 +308,7 @@ static void emitted(const Lab *l, const Light *light, Rng *rng, Stat *s)
     double c = 0;
 
     if (light->kind->emit(light, u, unit2(rng), &e)) {
-        r = emission_ray(&e);
+        r = emission_ray(&e, 0);
         if (accel_nearest(l->scene->accel, &r, &h)) {
             accel_surface(l->scene->accel, &r, &h, &at);
             if (at.shape->light == NO_LIGHT && e.d.z < 0)
