@@ -322,6 +322,27 @@ static void instances(void)
     picture("more", "instances", "");
 }
 
+/* Lamps with a picture, focused ones, and skies of each mapping. */
+static void pictured_lights(void)
+{
+    static const char *const mappings[] = { "octahedral", "angular", "mirrorball" };
+    char sky[200], name[40];
+
+    write_scene(HEAD, "AttributeBegin\nAreaLightSource \"diffuse\" \"float exponent\" 3.5 "
+                "\"float power\" 60 \"string filename\" \"wood.ppm\" \"bool twosided\" true\n"
+                "Translate 1.2 -0.8 2.4\nShape \"sphere\" \"float radius\" 0.4 \"float zmax\" 0.2\n"
+                "Translate -2 0 0\nShape \"sphere\" \"float radius\" 0.3\nAttributeEnd\n",
+                FLOOR, BALL, "");
+    picture("more", "pictured_lamps", "");
+    for (int k = 0; k < 3; k++) {
+        snprintf(sky, sizeof sky, "LightSource \"infinite\" \"string filename\" \"sky.pfm\" "
+                 "\"string mapping\" \"%s\"\n", mappings[k]);
+        snprintf(name, sizeof name, "sky_%s", mappings[k]);
+        write_scene(HEAD, sky, FLOOR, BALL, "");
+        picture("more", name, "");
+    }
+}
+
 static void textures_and_spectra(void)
 {
     write_scene(HEAD, SKY, "LightSource \"point\" \"point3 from\" [ -1 -2 3 ] \"blackbody I\" 3000 "
@@ -397,6 +418,7 @@ static void pictures(void)
     each_camera();
     each_format();
     lens();
+    pictured_lights();
     instances();
     textures_and_spectra();
     deep();

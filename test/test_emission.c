@@ -87,7 +87,7 @@ static const Case cases[] = {
     { "mesh ball", "", "L=1/2/4,power=20", BALL, 0.07, 0 },
     { "constant sky", "infinite", "L=1/2/4", NO_SHAPE, 0.055, 0 },
     { "latlong sky", "infinite", "L=1/2/4,filename=map", NO_SHAPE, 0.06, 3 },
-    { "octahedral sky", "infinite", "L=1/2/4,filename=square", NO_SHAPE, 0.06, 3 },
+    { "octahedral sky", "infinite", "L=1/2/4,filename=square", NO_SHAPE, 0.07, 3 },
     { "angular sky", "infinite", "filename=square,mapping=angular", NO_SHAPE, 0.075, 3 },
     { "mirror ball sky", "infinite", "filename=square,mapping=mirrorball", NO_SHAPE, 0.08, 3 },
     { "sky with sun", "sky", "sunsize=20,sundirection=0.5/-0.2/0.8", NO_SHAPE, 0.09, 4 },
@@ -123,6 +123,7 @@ static uint32_t area_light(Lab *l, const Case *c)
 static const Light *begin(Lab *l, const Case *c)
 {
     Transform turned = xf_rotate(120, 1, 0.2, -0.3);
+    Transform risen = xf_rotate(-100, 0.2, 1, 0.1);     /* the rims of light probes are above */
     uint32_t index;
 
     lab_init(l);
@@ -131,10 +132,10 @@ static const Light *begin(Lab *l, const Case *c)
     lab_disk(l, RECEIVER, v3(0, 0, 1), RECEIVER_RADIUS, 0, 0);
     if (!c->kind[0])
         index = area_light(l, c);
-    else if (strstr(c->options, "filename") || strstr(c->options, "fov"))
-        index = lab_light(l, c->kind, c->options, &turned);
-    else
+    else if (!strstr(c->options, "filename") && !strstr(c->options, "fov"))
         index = lab_light(l, c->kind, c->options, NULL);
+    else
+        index = lab_light(l, c->kind, c->options, strcmp(c->kind, "infinite") ? &turned : &risen);
     lab_build(l);
     return l->scene->lights[index];
 }
@@ -307,7 +308,7 @@ static void emitted(const Lab *l, const Light *light, Rng *rng, Stat *s)
     double c = 0;
 
     if (light->kind->emit(light, u, unit2(rng), &e)) {
-        r = emission_ray(&e);
+        r = emission_ray(&e, 0);
         if (accel_nearest(l->scene->accel, &r, &h)) {
             accel_surface(l->scene->accel, &r, &h, &at);
             if (at.shape->light == NO_LIGHT && e.d.z < 0)

@@ -163,7 +163,7 @@ static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    if (shape->n || looks_at_uv(l)) {         /* the file's normals say which side shines */
+    if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
         Ray none = { .d = { 0, 0, 1 } };
         Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
         Surface sf;

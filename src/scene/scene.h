@@ -99,10 +99,11 @@ typedef struct {
     float cosine, pdf_a, pdf_w;
 } Emission;
 
-/* The first ray, which does not meet the surface that it leaves. */
-INLINE Ray emission_ray(const Emission *e)
+/* The first ray, which does not meet the surface that it leaves. Lights stand still: any time. */
+INLINE Ray emission_ray(const Emission *e, float time)
 {
-    return (Ray){ .o = ray_origin(e->p, e->err, e->n, e->d), .d = e->d, .tmax = INFINITY };
+    return (Ray){ .o = ray_origin(e->p, e->err, e->n, e->d), .d = e->d, .tmax = INFINITY,
+                  .time = time };
 }
 
 /* What a ray cannot find by chance: the light's place, or its direction. */
