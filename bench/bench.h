@@ -14,6 +14,7 @@ void bench_error(void);         /* error after 20 CPU-seconds, where a reference
 void bench_memory(void);        /* table 3.1 of the document */
 void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
+void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 
 /* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
 int sheet(int argc, char **argv);

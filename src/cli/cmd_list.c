@@ -61,17 +61,21 @@ static void print_option(const OptDef *d)
     printf("\n");
 }
 
-/* What only some sets say: whether a method is unbiased, and what it cannot find. */
+/* What only some sets say: whether a method is unbiased, and what it cannot find; which conditions
+ * of [Shirley91 5.1] a filter meets. */
 static void print_truth(const void *list, size_t k)
 {
-    const IntegratorKind *it;
-    if (list != (const void *)integrators)
-        return;
-    it = integrators[k];
-    printf("    %s", truth_names[it->truth]);
-    if (it->misses[0])
-        printf("; cannot find: %s", it->misses);
-    printf("\n");
+    if (list == (const void *)integrators) {
+        const IntegratorKind *it = integrators[k];
+        printf("    %s", truth_names[it->truth]);
+        if (it->misses[0])
+            printf("; cannot find: %s", it->misses);
+        printf("\n");
+    } else if (list == (const void *)filters) {
+        const char *fails = filters[k]->fails;
+        printf("    %s%s\n", fails[0] ? "fails of Shirley's five conditions: "
+                                      : "meets Shirley's five conditions", fails);
+    }
 }
 
 static void print_set(int s)

@@ -21,7 +21,7 @@ typedef struct {
     const Scene *scene;
     Integrator  *integrator;
     Film        *film;
-    V2           radius;                /* of the filter */
+    Filter       filter;
     bool         blurs;                 /* the scene moves while the shutter is open */
     float        time;                  /* else: of all rays */
     Tracer      *tracers;               /* one a worker */
@@ -44,11 +44,11 @@ static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t in
     const Camera *c = j->scene->camera;
     Rgb values[1 + AOVS_MAX];
     V2 off, lens = { 0, 0 };
-    float time = j->time;
+    float time = j->time, weight;
     Ray r;
 
     sampler_start(&t->sampler, index);
-    off = s->filter->sample(sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), j->radius);
+    off = filter_sample(&j->filter, sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), &weight);
     if (c->has_lens)
         lens = sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0));
     if (j->blurs)
@@ -59,6 +59,8 @@ static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t in
     values[0] = j->integrator->kind->radiance(j->integrator, &r, t);
     if (s->naovs)
         aov_values(s->aovs, s->naovs, &r, t, values + 1);
+    for (int k = 0; weight != 1.0f && k <= s->naovs; k++)
+        values[k] = rgb_scale(values[k], weight);
     film_add(j->film, x, y, index, values);
 }
 
@@ -190,12 +192,7 @@ static bool job_init(Job *j, uint32_t *spp)
         if (!sampler_init(&j->tracers[i].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
             return false;
     }
-    j->radius.x = opt_float(&s->filter_opts, "xradius");
-    j->radius.y = opt_float(&s->filter_opts, "yradius");
-    if (j->radius.x == 0.0f)
-        j->radius.x = s->filter->radius.x;
-    if (j->radius.y == 0.0f)
-        j->radius.y = s->filter->radius.y;
+    filter_init(&j->filter, s->filter, &s->filter_opts);
     j->integrator = s->integrator->open(j->scene, &s->integrator_opts);
     if (!j->integrator)
         return false;
