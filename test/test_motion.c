@@ -172,7 +172,7 @@ static Film film_of(const char *text, const char *integrator, uint32_t spp, uint
     RenderSettings s;
     RenderRequest q;
     RenderReport report;
-    Film film;
+    Film film = { .w = 0 };
 
     memset(&q, 0, sizeof q);
     q.integrator = integrator;
