@@ -225,8 +225,8 @@ static void straight_tubes(void)
             mesh_check_closed("tube", &m, 2);
             EXPECT(fabs(mesh_volume(&m) - prism * length) < 1e-5, "degree %lu, %d: volume %g of %g",
                    (unsigned long)degree, bspline, mesh_volume(&m), prism * length);
+            mesh_clear(&m);
             s.width1 = 0;                       /* a third of it, and a tip */
-            memset(&m, 0, sizeof m);
             REQUIRE(sweep_mesh(&m, &s), "memory");
             check_normals("tip", &m, 0);
             mesh_weld(&m);
@@ -235,6 +235,7 @@ static void straight_tubes(void)
                    mesh_volume(&m));
             mesh_clear(&m);
         }
+    EXPECT(mem_blocks() == 0, "%ld blocks left", mem_blocks());
 }
 
 /* One polynomial written in both bases and both degrees is the same curve; its tube is closed, and
