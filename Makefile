@@ -10,6 +10,8 @@ PREFIX   = /usr/local
 DESTDIR  =
 T        =
 SPP      = 64
+PROBES   =
+SHEET    = scenes/all.png
 
 RUN = sh src/rules.sh "$(V)" "$(PORTABLE)" "$(CC)" "$(CFLAGS)" "$(LDFLAGS)" && \
       $(MAKE) -f build/$(V)/rules.mk
@@ -33,10 +35,15 @@ bench: all
 demo: all
 	./rushlight scenes/cornell.pbrt -o cornell.png
 
-# Every scene, small, and all of them on one sheet. SPP=n for other than 64 samples a pixel.
+# The probe that scenes are lit by.
+probe: all
+	./rushlight scenes/parts/probe.pbrt -o scenes/probe.hdr
+
+# Every scene, small, and all of them on one sheet. SPP=n for other than 64 samples a pixel;
+# PROBES=dir takes dir/probe.hdr, a map in latitude and longitude, for that of the scenes.
 gallery: all
 	+@$(RUN) build/$(V)/bench
-	@sh bench/gallery.sh build/$(V)/bench scenes/all.png $(SPP)
+	@sh bench/gallery.sh build/$(V)/bench $(SHEET) $(SPP) "$(PROBES)"
 
 install: all
 	mkdir -p $(DESTDIR)$(PREFIX)/bin
@@ -48,7 +55,7 @@ clean:
 help:
 	@echo "make             build ./rushlight          make check    run the tests"
 	@echo "make demo        render cornell.png         make bench    speed and memory tables"
-	@echo "make gallery     every scene, on one sheet"
+	@echo "make gallery     every scene, on one sheet; PROBES=dir: under dir/probe.hdr, SHEET=x.png"
 	@echo "make check-long  the slower proofs          make check T=accel   some of the tests"
 	@echo "make bench T=memory|speed|arity     tables of [Cline07], also of your own: MODELS=dir make ..."
 	@echo "make V=debug|asan|tsan|plain  other builds, in build/V"
@@ -57,4 +64,4 @@ help:
 
 rules:
 
-.PHONY: all check check-long bench demo gallery install clean help rules
+.PHONY: all check check-long bench demo gallery probe install clean help rules

@@ -1,11 +1,13 @@
 #!/bin/sh
-# gallery.sh BENCH OUT SPP -- renders every scene of scenes/, 232 pixels wide, and puts them all on
-# one sheet, in the order of their names.
+# gallery.sh BENCH OUT SPP [PROBES] -- renders every scene of scenes/, 232 pixels wide, and puts them
+# all on one sheet, in the order of their names. PROBES: a folder whose probe.hdr lights them instead.
 set -eu
-bench=$1 out=$2 spp=$3
+bench=$1 out=$2 spp=$3 probes=${4:-}
 work=$(mktemp -d "${TMPDIR:-/tmp}/rushlight-gallery-XXXXXX") || exit 1
 trap 'rm -rf "$work"' EXIT
-for scene in scenes/*.pbrt; do
+cp -R scenes "$work"
+test -z "$probes" || cp "$probes/probe.hdr" "$work/scenes/probe.hdr"
+for scene in "$work"/scenes/*.pbrt; do
     name=${scene##*/}
     size=$(awk '{ for (i = 1; i < NF; i++) if ($i ~ /^[xy]resolution"$/) { v = $(i + 1)
             if (v == "[") v = $(i + 2); if ($i ~ /^x/) x = v; else y = v } }
