@@ -138,7 +138,7 @@ static void lookups(void)
 /* Numbers without a place, and such as are no numbers. */
 static void far_places(void)
 {
-    static const float wild[] = { 1e10f, -1e30f, INFINITY, -INFINITY, 3e9f };
+    const float wild[] = { 1e10f, -1e30f, INFINITY, -INFINITY, 3e9f };
     Image im = noisy(5, 4, false, 10);
     Pyramid p;
     float nan = INFINITY - INFINITY;

@@ -504,11 +504,14 @@ static void triangle_derivatives(const V3 c[3], V2 p, V2 q, V2 r, Surface *s)
     s->dpdv = v_scale(v_sub(v_scale(f, eu), v_scale(e, fu)), inverse);
 }
 
-static void triangle_uv(const Geometry *g, const Shape *shape, const V3 c[3], const Hit *h,
-                        Surface *s)
+/* Apart, with corners of its own: where nothing looks at (u, v), those of the caller stay in
+ * registers. */
+static NOINLINE void triangle_uv(const Geometry *g, const Shape *shape, const Hit *h, Surface *s)
 {
     const Tri *t = &g->tri[h->prim];
+    V3 c[3];
 
+    geometry_corners(g, h->prim, c);
     s->uv = (V2){ h->u, h->v };
     if (shape->uv) {
         const V2 *uv = shape->uv - shape->first_vertex;
@@ -543,7 +546,7 @@ static void triangle_surface(const Geometry *g, const Shape *shape, const Hit *h
     point_of(c, h->u, h->v, &s->p, &s->err);
     s->ng = normal_of(c);
     if (!shape->plain)
-        triangle_uv(g, shape, c, h, s);
+        triangle_uv(g, shape, h, s);
     if (shape->n && triangle_normal(g, shape, h, s))
         return;
     if (shape->flip)

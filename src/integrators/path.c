@@ -152,7 +152,7 @@ typedef struct {
 
 /* A direction to one light from p, whose normal n is 0 in a medium. *pdf: that of having chosen
  * this light and this direction. NULL: none. */
-static const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Tracer *t,
+INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Tracer *t,
                                   LightSample *ls, float *pdf)
 {
     float pmf, left;
@@ -301,7 +301,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
     for (;;) {
         Surface s;
-        V3 p;                                   /* of a scattering in a medium */
+        V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Connection to;
         bool connects, goes_on;
         Event event = next_event(&e, &s, &p, t);
