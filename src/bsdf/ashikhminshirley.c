@@ -130,15 +130,8 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(blend, &h);
-    s->pdf_w = pdf_of(blend, up, s->wi, gloss);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(blend, up, s->wi, &h, gloss), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return reflects(s, wo, f_of(blend, up, s->wi, &h, gloss),
+                    pdf_of(blend, up, s->wi, gloss));
 }
 
 /* Exact for what is below, whose integral of B(z) z / pi is 23/28. A lobe without Fresnel has half

@@ -112,15 +112,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     power = power_of(p, &h);
-    s->pdf_w = pdf_of(p, s->wi, &h, power);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(p, up, s->wi, &h, power), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return reflects(s, wo, f_of(p, up, s->wi, &h, power), pdf_of(p, s->wi, &h, power));
 }
 
 /* The lobe's without Fresnel is a fit; Fresnel's cosine is that of facets that turn to the eye. */

@@ -7,9 +7,11 @@
 #ifndef BSDF_HALF_H
 #define BSDF_HALF_H
 
+
 #include "base/maths.h"
 #include "base/platform.h"
 #include "base/vec.h"
+#include "bsdf/bsdf.h"
 #include "sampling/warp.h"
 
 typedef struct {
@@ -51,6 +53,20 @@ INLINE V2 circle_and(V2 u, double *rest)
     V2 d = warp_disk_radius(u, &r);
     *rest = (1.0 - (double)r) * (1.0 + (double)r);
     return (V2){ d.x / r, d.y / r };
+}
+
+/* Ends the sampling of s->wi, which is above, for a wo of either side, where f and pdf_w are. */
+INLINE bool reflects(BsdfSample *s, V3 wo, Rgb f, float pdf_w)
+{
+    if (!(pdf_w > 0.0f))
+        return false;
+    s->pdf_w = pdf_w;
+    s->weight = rgb_scale(f, s->wi.z / pdf_w);
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->eta = 1.0f;
+    if (wo.z < 0.0f)
+        s->wi.z = -s->wi.z;
+    return true;
 }
 
 #endif

@@ -106,15 +106,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(w, &h);
-    s->pdf_w = pdf_of(w, s->wi, &h, gloss);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(w, &h, gloss), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return reflects(s, wo, f_of(w, &h, gloss), pdf_of(w, s->wi, &h, gloss));
 }
 
 /* The lobe's is a fit: a wide one sends light below the surface, but little from grazing eyes. */
