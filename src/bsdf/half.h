@@ -7,7 +7,6 @@
 #ifndef BSDF_HALF_H
 #define BSDF_HALF_H
 
-
 #include "base/maths.h"
 #include "base/platform.h"
 #include "base/vec.h"
