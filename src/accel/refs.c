@@ -142,11 +142,12 @@ size_t refs_split_middle(Ref *refs, size_t n, Box centres)
 
 /* ---- the surface area heuristic ---- */
 
-/* A box in one vector, lo and -hi in its first six lanes: to join two is one minimum. */
+/* A box in one vector, lo and -hi in the first three lanes of its halves: to join two is one minimum.
+ * Nothing beyond the ref is read, which may be another thread's. */
 INLINE F8 ref_box(const Ref *r)
 {
-    F8 upper = f8_join(f4(0.0f, 0.0f, 0.0f, -0.0f), f4(-0.0f, -0.0f, 0.0f, 0.0f));
-    return f8_flip(f8_load(&r->box.lo.x), upper);       /* what follows is read, too */
+    F8 upper = f8_join(f4_all(0.0f), f4(-0.0f, -0.0f, -0.0f, 0.0f));
+    return f8_flip(f8_join(ref_lo(r), ref_hi(r)), upper);
 }
 
 INLINE F8 box8_none(void) { return f8_all(INFINITY); }
@@ -155,7 +156,7 @@ INLINE Box box8_box(F8 b)
 {
     float v[8];
     f8_store(v, b);
-    return (Box){ v3(v[0], v[1], v[2]), v3(-v[3], -v[4], -v[5]) };
+    return (Box){ v3(v[0], v[1], v[2]), v3(-v[4], -v[5], -v[6]) };
 }
 
 /* box_area() of it: both factors of each product have their signs turned. */
@@ -163,9 +164,9 @@ INLINE float box8_area(F8 b)
 {
     float v[8], x, y, z;
     f8_store(v, b);
-    x = v[0] + v[3];
-    y = v[1] + v[4];
-    z = v[2] + v[5];
+    x = v[0] + v[4];
+    y = v[1] + v[5];
+    z = v[2] + v[6];
     return 2.0f * (x * y + y * z + z * x);
 }
 
