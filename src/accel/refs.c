@@ -142,8 +142,8 @@ size_t refs_split_middle(Ref *refs, size_t n, Box centres)
 
 /* ---- the surface area heuristic ---- */
 
-/* A box in one vector, lo and -hi in the first three lanes of its halves: to join two is one minimum.
- * Nothing beyond the ref is read, which may be another thread's. */
+/* A box in one vector, lo and -hi in the first three lanes of its halves: to join two is one
+ * minimum. Nothing beyond the ref is read, which may be another thread's. */
 INLINE F8 ref_box(const Ref *r)
 {
     F8 upper = f8_join(f4_all(0.0f), f4(-0.0f, -0.0f, -0.0f, 0.0f));
