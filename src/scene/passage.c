@@ -40,6 +40,14 @@ static bool stops(const Scene *s, const Ray *r, const Hit *h, int n, const Surfa
     return a >= 1.0f || (a > 0.0f && number_of(r, h, n) < a);
 }
 
+/* Sets the part of r that is left beyond the surface that it met at t. */
+static void go_past(const Ray *r, const Surface *at, float t, Ray *part, float *passed)
+{
+    part->o = ray_origin(at->p, at->err, at->ng, r->d);
+    *passed = f_max(*passed + t, v_dot(v_sub(part->o, r->o), r->d) / v_dot(r->d, r->d));
+    part->tmax = r->tmax - *passed;
+}
+
 Met scene_meets(const Scene *s, const Ray *r, bool borders, Hit *h, Surface *at)
 {
     Ray part = *r;
@@ -53,10 +61,7 @@ Met scene_meets(const Scene *s, const Ray *r, bool borders, Hit *h, Surface *at)
             h->t += passed;
             return stopped ? MET_SURFACE : MET_BORDER;
         }
-        part.o = ray_origin(at->p, at->err, at->ng, r->d);
-        passed = f_max(passed + h->t,
-                       v_dot(v_sub(part.o, r->o), r->d) / v_dot(r->d, r->d));
-        part.tmax = r->tmax - passed;
+        go_past(r, at, h->t, &part, &passed);
     }
     hit_none(h, r->tmax);
     return MET_NOTHING;
@@ -92,9 +97,7 @@ Rgb scene_transmittance(const Scene *s, const Ray *r, uint32_t medium)
         if (met == MET_NOTHING || rgb_black(left))
             return left;
         medium = medium_beyond(&at, r->d, medium);
-        part.o = ray_origin(at.p, at.err, at.ng, r->d);
-        passed = f_max(passed + h.t, v_dot(v_sub(part.o, r->o), r->d) / v_dot(r->d, r->d));
-        part.tmax = r->tmax - passed;
+        go_past(r, &at, h.t, &part, &passed);
     }
     return left;
 }

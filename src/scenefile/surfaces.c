@@ -28,7 +28,7 @@ static bool masked(Reader *r, uint32_t of, const Texture *mask, uint32_t *index)
     return MEM_PUSH(r->masked, r->nmasked, r->cap_masked, entry);
 }
 
-/* The mask of the shape to come; one number for all is a texture of its own, but 0.  */
+/* The mask of the shape to come; one number for all is a texture of its own, but 0. */
 bool surface_mask(Reader *r, const Params *ps, bool *nowhere)
 {
     const Param *p = params_find(ps, "alpha", "shadowalpha");
