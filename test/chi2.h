@@ -33,6 +33,8 @@ typedef struct {
     int rows, cols;             /* 0: 64 and 128; multiples of 4 */
     int halvings;               /* of every bin, both ways, to begin with; 2 or 3 for densities with
                                  * jumps, of which the points of a large cell may see nothing */
+    float jump;                 /* z of a circle on which a density of directions jumps: bins that
+                                 * it crosses are integrated in two parts; 0: none is known */
 } Chi2;
 
 typedef struct {

@@ -1,6 +1,7 @@
-/* main.c -- the test runner: test [--long] [--list] [--jobs N] [TEXT]. Runs the cases whose
- * suite/name contains TEXT, each in a process of its own with a limit of time. Last line: N passed,
- * N failed. */
+/* main.c -- the test runner: test [--long] [--list] [--times] [--jobs N] [--except TEXT]
+ * [TEXT...]. Runs the cases whose suite/name contains a TEXT, but not that of --except, each in a
+ * process of its own with a limit of time. --times: a line for each, with its seconds of processor
+ * time. Last line: N passed, N failed. */
 #include "test/test.h"
 
 #include <errno.h>
@@ -139,6 +140,22 @@ static Job start(const char *suite, const TestCase *c)
 }
 
 static int passed, failed, skipped;
+static bool want_times;
+
+/* Processor time of the children that have ended since the last call, theirs included. */
+static double seconds_since(void)
+{
+    static double before;
+    struct rusage r;
+    double now, since;
+
+    getrusage(RUSAGE_CHILDREN, &r);
+    now = (double)r.ru_utime.tv_sec + (double)r.ru_stime.tv_sec +
+          1e-6 * ((double)r.ru_utime.tv_usec + (double)r.ru_stime.tv_usec);
+    since = now - before;
+    before = now;
+    return since;
+}
 
 static void finish(Job *j, int status)
 {
@@ -146,6 +163,8 @@ static void finish(Job *j, int status)
     bool skip = WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SKIPPED;
     char line[1024];
 
+    if (want_times)
+        printf("%8.1f s %s\n", seconds_since(), j->name);
     if (!ok) {                                  /* what a passing case prints is of no interest */
         rewind(j->out);
         while (fgets(line, sizeof line, j->out))
@@ -176,11 +195,22 @@ static void reap(Job *jobs, int njobs)
             finish(&jobs[k], status);
 }
 
+/* Does one of the texts occur in it, and the one not wanted not? All do if there are none. */
+static bool wanted(const char *name, char **text, int n, const char *except)
+{
+    if (except && strstr(name, except))
+        return false;
+    for (int i = 0; i < n; i++)
+        if (strstr(name, text[i]))
+            return true;
+    return n == 0;
+}
+
 int main(int argc, char **argv)
 {
-    const char *text = "";
     Job jobs[JOBS_MAX] = { { 0, NULL, "" } };
-    int njobs = 2;
+    int njobs = 2, ntexts = 0;
+    const char *except = NULL;
     bool list = false;
 
     for (int i = 1; i < argc; i++) {
@@ -188,10 +218,14 @@ int main(int argc, char **argv)
             is_long = true;
         else if (!strcmp(argv[i], "--list"))
             list = true;
+        else if (!strcmp(argv[i], "--times"))
+            want_times = true;
+        else if (!strcmp(argv[i], "--except") && i + 1 < argc)
+            except = argv[++i];
         else if (!strcmp(argv[i], "--jobs") && i + 1 < argc)
             njobs = atoi(argv[++i]);
         else
-            text = argv[i];
+            argv[ntexts++] = argv[i];
     }
     if (njobs < 1 || njobs > JOBS_MAX)
         njobs = 1;
@@ -200,7 +234,7 @@ int main(int argc, char **argv)
             char name[160];
             int k;
             snprintf(name, sizeof name, "%s/%s", s->name, c->name);
-            if (!strstr(name, text) || (c->slow && !is_long))
+            if (!wanted(name, argv, ntexts, except) || (c->slow && !is_long))
                 continue;
             if (list) {
                 printf("%s\n", name);

@@ -325,6 +325,14 @@ static double density(const void *of, V3 w)
     return pdf_w(v->m, v->wo, w);
 }
 
+/* Where the density of what is refracted jumps: facets end where they stand upright, and the sum of
+ * wo and eta wi, their normal, is level where wi.z = -wo.z / eta; nowhere if that is below -1. */
+static float jump_of(const View *v)
+{
+    float eta = v->wo.z > 0.0f ? v->m->eta : 1.0f / v->m->eta;
+    return -v->wo.z / eta;
+}
+
 static void check_chi2(int from, int step, uint64_t draws)
 {
     static Model m[MOST];
@@ -338,7 +346,7 @@ static void check_chi2(int from, int step, uint64_t draws)
             continue;
         snprintf(what, sizeof what, "%s from direction %d", v.m->name, i % NWO);
         chi2_expect(&(Chi2){ draw, density, &v, .draws = draws, .seed = (uint64_t)i,
-                             .halvings = halvings }, what);
+                             .halvings = halvings, .jump = jump_of(&v) }, what);
     }
 }
 
