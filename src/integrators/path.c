@@ -13,7 +13,7 @@
  *             Directions that the shading normal allows and the geometric one does not are black.
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
-#include "integrators/integrator.h"
+#include "integrators/vertex.h"
 #include "lightsampling/lightsampler.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
@@ -168,29 +168,25 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
 }
 
 /* Connects the vertex to one light. False: that would add nothing. */
-static bool connect(const Path *it, const Eye *e, const Surface *s, const Frame *frame,
-                    const Bsdf *b, V3 wo, Tracer *t, Connection *to)
+static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Connection *to)
 {
     LightSample ls;
     float weight = 1.0f, pdf;
-    const Light *l = towards_light(it, e, s->p, s->ns, t, &ls, &pdf);
-    Rgb f;
-    V3 wi;
+    const Light *l = towards_light(it, e, v->s.p, v->s.ns, t, &ls, &pdf);
+    Rgb f_cos;
+    V3 local;
 
-    if (!l)
+    if (!l || !vertex_local(v, ls.wi, &local))
         return false;
-    wi = frame_in(frame, ls.wi);
-    if (!(v_dot(ls.wi, s->ng) * wi.z > 0.0f))
-        return false;
-    f = b->kind->eval(b, wo, wi, false);
-    if (rgb_black(f))
+    f_cos = vertex_f_cos(v, local);
+    if (rgb_black(f_cos))
         return false;
     if (it->ways == MIS && !l->kind->delta)
-        weight = heuristic(it, pdf, b->kind->pdf_w(b, wo, wi));
-    to->c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f), ls.L), fabsf(wi.z) * weight / pdf);
-    to->ray = shadow_ray(s, &ls);
+        weight = heuristic(it, pdf, vertex_pdf_w(v, local));
+    to->c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f_cos), ls.L), weight / pdf);
+    to->ray = shadow_ray(&v->s, &ls);
     to->edges = e->depth + 2;
-    to->medium = medium_beyond(s, ls.wi, e->medium);
+    to->medium = medium_beyond(&v->s, ls.wi, e->medium);
     return true;
 }
 
@@ -235,36 +231,23 @@ static bool survives(const Path *it, Eye *e, Tracer *t)
 }
 
 /* Takes the path one scattering event further. False: it ends here. */
-static bool scatter(const Path *it, Eye *e, const Surface *s, const Frame *frame, const Bsdf *b,
-                    V3 wo, Tracer *t)
+static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 {
-    V2 u = { 0, 0 };
-    float lobe = 0.0f;
     BsdfSample bs;
-    V3 wi;
 
-    if (b->flags & BSDF_LOBES)
-        lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, e->depth));
-    if (b->flags & BSDF_SMOOTH)
-        u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, e->depth));
-    if (!b->kind->sample(b, wo, lobe, u, false, &bs))
-        return false;
-    wi = frame_out(frame, bs.wi);
-    if (!(v_dot(wi, s->ng) * bs.wi.z > 0.0f))
+    if (!vertex_sample(v, t, e->depth, &bs))
         return false;
     e->throughput = rgb_mul(e->throughput, bs.weight);
     e->eta2 *= bs.eta * bs.eta;
     if (!survives(it, e, t))
         return false;
-    e->ray.o = ray_origin(s->p, s->err, s->ng, wi);
-    e->ray.d = wi;
-    e->ray.tmax = INFINITY;
-    e->p = s->p;
-    e->n = s->ns;
+    e->ray = vertex_ray(v, bs.wi);
+    e->p = v->s.p;
+    e->n = v->s.ns;
     e->pdf_w = bs.pdf_w;
     if (bs.flags & BSDF_SMOOTH)
         e->way = -1.0f;
-    e->medium = medium_beyond(s, wi, e->medium);
+    e->medium = medium_beyond(&v->s, bs.wi, e->medium);
     return true;
 }
 
@@ -300,27 +283,22 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
-        Surface s;
+        Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Connection to;
         bool connects, goes_on;
-        Event event = next_event(&e, &s, &p, t);
+        Event event = next_event(&e, &v.s, &p, t);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
-        if (event == ARRIVES && s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, implicit_light(it, &e, scene->lights[s.shape->light], &s, t));
+        if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
+            sum = rgb_add(sum, implicit_light(it, &e, scene->lights[v.s.shape->light], &v.s, t));
         if (e.depth >= it->maxdepth)
             return sum;
         /* Both decisions first, then the rays: the processor works on the two side by side. */
         if (event == ARRIVES) {
-            const Material *m = &scene->materials[s.shape->material];
-            BsdfRoom room;
-            const Bsdf *b = material_bsdf(m, &s, &room);
-            Frame frame = material_frame(m, &s);
-            V3 wo = frame_in(&frame, v_neg(e.ray.d));
-            connects = it->ways != IMPLICIT && (b->flags & BSDF_SMOOTH) &&
-                       connect(it, &e, &s, &frame, b, wo, t, &to);
-            goes_on = scatter(it, &e, &s, &frame, b, wo, t);
+            vertex_make(&v, scene, e.ray.d);
+            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) && connect(it, &e, &v, t, &to);
+            goes_on = scatter(it, &e, &v, t);
         } else {
             connects = it->ways != IMPLICIT && connect_in_medium(it, &e, p, t, &to);
             goes_on = scatter_in_medium(it, &e, p, t);
