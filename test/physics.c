@@ -282,7 +282,18 @@ void lab_build(Lab *l)
     REQUIRE(scene_build(l->scene, k, &o, 1), "the scene was not built");
 }
 
-void lab_open(Lab *l, const char *options)
+const IntegratorKind *lab_method(Lab *l, const char *text, Opts *o)
+{
+    const char *end = text + strcspn(text, ":");
+    char name[40];
+
+    snprintf(name, sizeof name, "%.*s", (int)(end - text), text);
+    if (strchr(name, '=') || !*name)            /* options of `path` alone */
+        return kind_with(l, integrators, "path", text, o);
+    return kind_with(l, integrators, name, *end ? end + 1 : "", o);
+}
+
+void lab_open(Lab *l, const char *method)
 {
     const IntegratorKind *k;
 
@@ -290,9 +301,9 @@ void lab_open(Lab *l, const char *options)
     mem_free(l->opts);
     l->opts = MEM_NEW(Opts);
     REQUIRE(l->opts, "memory");
-    k = kind_with(l, integrators, "path", options, l->opts);
+    k = lab_method(l, method, l->opts);
     l->integrator = k->open(l->scene, l->opts);
-    REQUIRE(l->integrator, "path with %s", options);
+    REQUIRE(l->integrator, "%s", method);
     l->integrator->kind = k;
 }
 

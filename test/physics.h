@@ -62,8 +62,10 @@ uint32_t lab_shine(Lab *l, uint32_t shape, const char *options);        /* the s
 /* A picture of the sky: f by direction, z up, at the middle of each of w x h cells. */
 uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t);
 void     lab_build(Lab *l);
-/* Opens `path` with these options, closing the one before. */
-void     lab_open(Lab *l, const char *options);
+/* "name:key=value,..." of an integrator, or options of `path` alone. */
+const IntegratorKind *lab_method(Lab *l, const char *text, Opts *o);
+/* Opens the integrator of that text, closing the one before. */
+void     lab_open(Lab *l, const char *method);
 
 /* Moves and scales the points of a mesh. */
 void mesh_move(Mesh *m, float scale, V3 by);

@@ -26,20 +26,22 @@ void lab_camera(Lab *l, V3 eye, V3 at, float fov, const char *options)
     l->scene->camera->kind = k;
 }
 
-void picture_settings(Lab *l, RenderSettings *s, const char *path_options, uint32_t w, uint32_t h,
+void picture_settings(Lab *l, RenderSettings *s, const char *method, uint32_t w, uint32_t h,
                       uint32_t spp)
 {
+    const char *sampler = strchr(method, '@');
+    char text[400];
+
     memset(s, 0, sizeof *s);
-    s->integrator = kind_find(integrators, "path");
-    s->sampler = kind_find(samplers, SAMPLER_DEFAULT);
+    snprintf(text, sizeof text, "%.*s", (int)strcspn(method, "@"), method);
+    s->integrator = lab_method(l, text, &s->integrator_opts);
+    s->sampler = kind_from_text(samplers, "sampler", sampler ? sampler + 1 : SAMPLER_DEFAULT,
+                                &s->sampler_opts, &l->arena);
+    REQUIRE(s->sampler, "%s", method);
     s->filter = kind_find(filters, FILTER_DEFAULT);
     s->accel = kind_find(accels, ACCEL_DEFAULT);
-    opts_default(&s->integrator_opts, s->integrator->info.options);
-    opts_default(&s->sampler_opts, s->sampler->info.options);
     opts_default(&s->filter_opts, s->filter->info.options);
     opts_default(&s->accel_opts, s->accel->info.options);
-    REQUIRE(opts_parse(&s->integrator_opts, "path", path_options, &l->arena), "path %s",
-            path_options);
     s->w = s->crop[2] = w;
     s->h = s->crop[3] = h;
     s->spp = spp;
@@ -73,7 +75,7 @@ static void add_run(Series *s, int run, const Image *im)
         }
 }
 
-void series_render(Lab *l, Series *s, const char *path_options, uint32_t side, uint32_t spp,
+void series_render(Lab *l, Series *s, const char *method, uint32_t side, uint32_t spp,
                    uint64_t seed)
 {
     RenderSettings settings;
@@ -85,7 +87,7 @@ void series_render(Lab *l, Series *s, const char *path_options, uint32_t side, u
     s->tiles = side / TILE * (side / TILE);
     s->tile = MEM_ARRAY(double, (size_t)s->tiles * RUNS);
     REQUIRE(s->tile && image_init(&im, side, side), "memory");
-    picture_settings(l, &settings, path_options, side, side, test_is_long() ? 16 * spp : spp);
+    picture_settings(l, &settings, method, side, side, test_is_long() ? 16 * spp : spp);
     for (int run = 0; run < RUNS; run++) {
         settings.seed = seed * RUNS + (uint64_t)run;
         picture_render(l, &settings, &film, &report);

@@ -8,8 +8,9 @@
 
 void lab_camera(Lab *l, V3 eye, V3 at, float fov, const char *options);
 
-/* Integrator "path" with options, sampler by name, box filter, one thread. Text is kept by l. */
-void picture_settings(Lab *l, RenderSettings *s, const char *path_options, uint32_t w, uint32_t h,
+/* Box filter, one thread. method: as lab_method takes it; a sampler may follow, as in
+ * "direct:strategy=mis@halton" or "@random", else it is the default. Text is kept by l. */
+void picture_settings(Lab *l, RenderSettings *s, const char *method, uint32_t w, uint32_t h,
                       uint32_t spp);
 /* Renders or ends the case. The film is the caller's. */
 void picture_render(Lab *l, const RenderSettings *s, Film *film, RenderReport *report);
@@ -26,7 +27,7 @@ typedef struct {
     double  *tile;              /* owned: [tile][run] */
 } Series;
 
-void series_render(Lab *l, Series *s, const char *path_options, uint32_t side, uint32_t spp,
+void series_render(Lab *l, Series *s, const char *method, uint32_t side, uint32_t spp,
                    uint64_t seed);
 void series_clear(Series *s);
 
