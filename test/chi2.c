@@ -163,25 +163,26 @@ static double integrate(const Integrand *g, double x0, double dx, double y0, dou
     return fine;
 }
 
-/* Of rows that a known jump crosses, each side by itself. */
-static double integrate_bin(const Integrand *g, const Chi2 *c, double x, double dx, double y,
+/* Of rows that the circle z = jump crosses, each side by itself. */
+static double integrate_bin(const Integrand *g, float jump, double x, double dx, double y,
                             double dy, int least)
 {
-    double cut = c->square ? 0.0 : (double)m_acos(c->jump) / PI - x;
+    double cut = g->square ? 0.0 : (double)m_acos(jump) / PI - x;
     if (!(cut > 0.0 && cut < dx))
         return integrate(g, x, dx, y, dy, 0, least);
     return integrate(g, x, cut, y, dy, 0, least) +
            integrate(g, x + cut, dx - cut, y, dy, 0, least);
 }
 
-double chi2_integral(double (*f)(const void *of, V3 w), const void *of, bool square,
+double chi2_integral(double (*f)(const void *of, V3 w), const void *of, bool square, float jump,
                      int rows, int cols)
 {
     Integrand g = { f, of, square };
     double sum = 0.0;
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < cols; j++)
-            sum += integrate(&g, (double)i / rows, 1.0 / rows, (double)j / cols, 1.0 / cols, 0, 0);
+            sum += integrate_bin(&g, jump, (double)i / rows, 1.0 / rows, (double)j / cols,
+                                 1.0 / cols, 0);
     return sum;
 }
 
@@ -240,10 +241,10 @@ static void count_and_integrate(Test *t, Chi2Result *r)
     for (size_t k = 0; k < t->n; k++) {
         double dx = 1.0 / c->rows, x = dx * (double)(k / (size_t)c->cols);
         double dy = 1.0 / c->cols, y = dy * (double)(k % (size_t)c->cols), off;
-        double e = integrate_bin(&g, c, x, dx, y, dy, c->halvings);
+        double e = integrate_bin(&g, c->jump, x, dx, y, dy, c->halvings);
         off = fabs((double)t->observed[k] - n * e);
         if (off > 4.0 * sqrt(n * e + 1.0))
-            e = integrate_bin(&g, c, x, dx, y, dy, c->halvings + (e > 0.0 ? 3 : 5));
+            e = integrate_bin(&g, c->jump, x, dx, y, dy, c->halvings + (e > 0.0 ? 3 : 5));
         t->expected[k] = e;
         r->integral += e;
     }

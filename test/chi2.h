@@ -53,8 +53,9 @@ void chi2_expect(const Chi2 *c, const char *what);
  * expectation is 0 make p 0. */
 double chi2_counts(const double *expected, const uint64_t *observed, size_t n);
 
-/* Integral over the sphere (per solid angle) or the square, by the same quadrature. */
-double chi2_integral(double (*f)(const void *of, V3 w), const void *of, bool square,
+/* Integral over the sphere (per solid angle) or the square, by the same quadrature. jump: as in
+ * Chi2. */
+double chi2_integral(double (*f)(const void *of, V3 w), const void *of, bool square, float jump,
                      int rows, int cols);
 
 /* Upper tail of the chi-squared distribution. */

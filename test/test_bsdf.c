@@ -437,7 +437,7 @@ static double delta_albedo(const Model *m, V3 wo)
 static double albedo_of(const Model *m, V3 wo)
 {
     View v = { m, wo };
-    double smooth = is_delta(m) ? 0.0 : chi2_integral(f_cos, &v, false, 32, 64);
+    double smooth = is_delta(m) ? 0.0 : chi2_integral(f_cos, &v, false, jump_of(&v), 32, 64);
     return smooth + (m->b.flags & BSDF_SPECULAR ? delta_albedo(m, wo) : 0.0);
 }
 
@@ -493,7 +493,7 @@ static void check_energy(const char *kind, const char *format, int nwo, int nrou
                 float a = 0.05f + (float)(k % 5) * 0.38f, sine = sqrtf(1.0f - c * c);
                 V3 wo = v3(sine * m_cos(a), sine * m_sin(a), c);
                 View v = { &m, wo };
-                double sum = chi2_integral(f_cos, &v, false, rows, 2 * rows);
+                double sum = chi2_integral(f_cos, &v, false, 0.0f, rows, 2 * rows);
                 EXPECT(sum <= 1.0 + 1e-4, "%s, cosine %g: albedo %.6f", m.name, c, sum);
             }
         }

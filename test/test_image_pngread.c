@@ -408,7 +408,7 @@ static void mend(unsigned char *b, size_t n)
 static bool survives(const unsigned char *bytes, size_t n, bool expect_refused)
 {
     unsigned char *exact = malloc(n ? n : 1);
-    size_t before = mem_bytes(), most = 16 * n + 120000;
+    size_t before = mem_bytes(), most = 32 * n + 60000;
     long blocks = mem_blocks();
     Image im;
     bool ok;

@@ -141,7 +141,7 @@ static void phase(void)
 
     for (int i = 0; i < 6; i++) {
         Phase p = { g[i], { 0, 0, 0 } };
-        Chi2 c = { phase_draw, phase_density, NULL, false, 200000, 5, 32, 64, 0 };
+        Chi2 c = { phase_draw, phase_density, NULL, false, 200000, 5, 32, 64, 0, 0 };
         Rng rng = rng_seed(11);
         double sum = 0, n = 20000;
         char what[40];
@@ -250,8 +250,8 @@ static void ways_agree(void)
            milk, fog);
     lab_shine(&l, lab_sphere(&l, v3(0.8f, 0.3f, 1.2f), 0.4f, 0, false), "L=4/3/2");
     lab_build(&l);
-    measure(&l, "maxdepth=6,strategy=mis", ray, 60000, &a);
-    measure(&l, "maxdepth=6,strategy=implicit", ray, 160000, &b);
+    measure(&l, "maxdepth=6,strategy=mis", ray, 70000, &a);
+    measure(&l, "maxdepth=6,strategy=implicit", ray, 200000, &b);
     for (int k = 0; k < 3; k++)
         stat_expect_same(&meter_radiance(&a)[k], &meter_radiance(&b)[k], 0.2, "mis and implicit");
     lab_clear(&l);

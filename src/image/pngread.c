@@ -14,8 +14,8 @@
  * Refuses     what is not whole: a wrong checksum of any chunk or of the stream, a missing IEND,
  *             pixels without a colour, critical chunks that it does not know.
  * Memory      16 bytes a pixel, besides 50 KB and two rows. The packed bytes must be as many as the
- *             rows need at least; and unless the pixels fit in 16 bytes for each of the file, the
- *             whole stream is checked before memory is taken for them. */
+ *             rows need at least; and unless rows and pixels each fit in 16 bytes for each of the
+ *             file, the whole stream is checked before memory is taken for them. */
 #include "image/format.h"
 #include "image/deflate.h"
 #include "image/inflate.h"
@@ -357,6 +357,22 @@ static bool read_stream(Png *p, const Image *im, Inflate *f, unsigned char *rows
     return inflate_finish(f) || broken(p, f);
 }
 
+/* Unpacks as many bytes as the rows have, and keeps none: for rows long beside the file. */
+static bool stream_is_whole(Png *p, Inflate *f)
+{
+    unsigned char some[1024];
+
+    p->next = p->idat;
+    inflate_init(f, next_piece, p);
+    for (uint64_t left = unpacked_bytes(p); left;) {
+        size_t n = left < sizeof some ? (size_t)left : sizeof some;
+        if (inflate_take(f, some, n) < n)
+            return broken(p, f);
+        left -= n;
+    }
+    return inflate_finish(f) || broken(p, f);
+}
+
 static bool read_pixels(Png *p, Image *im, Inflate *f, unsigned char *rows)
 {
     bool alpha = p->type & ALPHA || p->key;
@@ -379,8 +395,8 @@ bool png_read(Image *im, const char *path, const unsigned char *bytes, size_t n,
               uint64_t max_pixels, Encoding encoding)
 {
     Png p = { .path = path, .bytes = bytes, .end = bytes + n };
+    unsigned char *rows = NULL;
     Inflate *f;
-    unsigned char *rows;
     bool ok;
 
     memset(im, 0, sizeof *im);
@@ -396,9 +412,11 @@ bool png_read(Image *im, const char *path, const unsigned char *bytes, size_t n,
     p.encoding = encoding_of(&p, encoding);
     sample_table(p.linear, p.type == MAPPED || p.depth > 8 ? 255 : (1u << p.depth) - 1,
                  p.encoding);
-    rows = mem_array((size_t)row_bytes(&p, p.w) + 1, 2);
-    f = rows ? MEM_NEW(Inflate) : NULL;
-    ok = f && read_pixels(&p, im, f, rows);
+    f = MEM_NEW(Inflate);
+    ok = f && (row_bytes(&p, p.w) <= 8 * n || stream_is_whole(&p, f));
+    if (ok)
+        rows = mem_array((size_t)row_bytes(&p, p.w) + 1, 2);
+    ok = rows && read_pixels(&p, im, f, rows);
     mem_free(f);
     mem_free(rows);
     return ok;
