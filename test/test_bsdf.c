@@ -408,6 +408,68 @@ static void test_lobes(void)
         }
 }
 
+/* ---- delta events one by one ---- */
+
+/* What specular samples bring on average towards wi (anywhere if NULL), by a fine grid of lobes. */
+static Rgb delta_mean(const Model *m, V3 wo, const V3 *wi)
+{
+    enum { GRID = 4000 };
+    double sum[3] = { 0, 0, 0 };
+    for (int k = 0; k < GRID; k++) {
+        BsdfSample s;
+        float lobe = ((float)k + 0.5f) / GRID;
+        if (!m->b.kind->sample(&m->b, wo, lobe, (V2){ 0.3f, 0.6f }, false, &s) ||
+            !(s.flags & BSDF_SPECULAR) || (wi && v_len(v_sub(*wi, s.wi)) > 1e-5f))
+            continue;
+        sum[0] += s.weight.r;
+        sum[1] += s.weight.g;
+        sum[2] += s.weight.b;
+    }
+    return rgb((float)(sum[0] / GRID), (float)(sum[1] / GRID), (float)(sum[2] / GRID));
+}
+
+/* A grid may miss half a step, of a weight that is over a chance. */
+static bool near_rgb(Rgb a, Rgb b)
+{
+    return fabsf(a.r - b.r) + fabsf(a.g - b.g) + fabsf(a.b - b.b) < 2e-3f * (1.0f + rgb_max(b));
+}
+
+/* Each event of the list weighs what `sample` brings towards its direction on average. */
+static void check_event(const Model *m, V3 wo, const BsdfSample *s, int count, int e)
+{
+    Rgb there = rgb_all(0.0f), mean = delta_mean(m, wo, &s[e].wi);
+
+    for (int f = 0; f < count; f++)             /* events of one direction add up */
+        if (v_len(v_sub(s[e].wi, s[f].wi)) <= 1e-5f)
+            there = rgb_add(there, s[f].weight);
+    EXPECT(near_rgb(there, mean), "%s from z %g: event %d weighs %g, samples %g", m->name, wo.z, e,
+           there.g, mean.g);
+    EXPECT(s[e].pdf_w == 0.0f && (s[e].flags & BSDF_SPECULAR) && !(s[e].flags & ~m->b.flags) &&
+           same_side(wo, s[e].wi) == !(s[e].flags & BSDF_TRANSMIT), "%s: event %d", m->name, e);
+    EXPECT((s[e].flags & BSDF_TRANSMIT) || s[e].eta == 1.0f, "%s: eta %g", m->name, s[e].eta);
+}
+
+/* And there are no others than those of the list. */
+static void test_deltas(void)
+{
+    static Model m[MOST];
+    int n = models_make(m), seen = 0;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < NWO && (m[i].b.flags & BSDF_SPECULAR); k++) {
+            BsdfSample s[BSDF_DELTAS];
+            int count = bsdf_deltas(&m[i].b, wo_of(k), s);
+            Rgb all = rgb_all(0.0f), mean = delta_mean(&m[i], wo_of(k), NULL);
+            for (int e = 0; e < count; e++) {
+                check_event(&m[i], wo_of(k), s, count, e);
+                all = rgb_add(all, s[e].weight);
+            }
+            EXPECT(near_rgb(all, mean), "%s from %d: all events weigh %g, samples %g", m[i].name,
+                   k, all.g, mean.g);
+            seen += count;
+        }
+    EXPECT(seen > 50, "%d delta events", seen);
+}
+
 /* ---- S7: integrals ---- */
 
 static double f_cos(const void *of, V3 w)
@@ -999,6 +1061,7 @@ const TestCase test_bsdf[] = {
     { "chi2_long_2", test_chi2_long_2, true },
     { "chi2_long_3", test_chi2_long_3, true },
     { "lobes", test_lobes, false },
+    { "deltas", test_deltas, false },
     { "samples_agree", test_samples_agree, false },
     { "albedo", test_albedo, false },
     { "energy", test_energy, false },

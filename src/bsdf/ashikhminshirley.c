@@ -123,15 +123,16 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     V3 up = above(wo);
     Half h;
     double gloss;
+    bool matt = !(lobe < glossy(blend, up));
 
     (void)importance;
-    s->wi = lobe < glossy(blend, up) ? reflected(blend, up, u) : warp_cosine(u);
+    s->wi = !matt ? reflected(blend, up, u) : warp_cosine(u);
     if (!same_side(up, s->wi))
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(blend, &h);
     return reflects(s, wo, f_of(blend, up, s->wi, &h, gloss),
-                    pdf_of(blend, up, s->wi, gloss));
+                    pdf_of(blend, up, s->wi, gloss), matt);
 }
 
 /* Exact for what is below, whose integral of B(z) z / pi is 23/28. A lobe without Fresnel has half
@@ -183,6 +184,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_ashikhminshirley = {
     .info = { "ashikhminshirley", "Ashikhmin00; Cline07 5.2.2",
               "matt under gloss that may be stretched: lacquer, brushed paint", options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

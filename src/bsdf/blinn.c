@@ -105,14 +105,15 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     V3 up = above(wo);
     Half h;
     double power;
+    bool matt = !(lobe < p->glossy);
 
     (void)importance;
-    s->wi = lobe < p->glossy ? reflected(p, up, u) : warp_cosine(u);
+    s->wi = !matt ? reflected(p, up, u) : warp_cosine(u);
     if (!same_side(up, s->wi))
         return false;
     h = half_of(up, s->wi);
     power = power_of(p, &h);
-    return reflects(s, wo, f_of(p, up, s->wi, &h, power), pdf_of(p, s->wi, &h, power));
+    return reflects(s, wo, f_of(p, up, s->wi, &h, power), pdf_of(p, s->wi, &h, power), matt);
 }
 
 /* The lobe's without Fresnel is a fit; Fresnel's cosine is that of facets that turn to the eye. */
@@ -148,6 +149,6 @@ static const OptDef options[] = {
 
 const BsdfKind bsdf_blinn = {
     .info = { "blinn", "Blinn77; Cline07 5.2.2", "matt with a glossy lobe of facets", options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

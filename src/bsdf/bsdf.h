@@ -20,7 +20,10 @@ enum {                          /* what a model can do; BsdfSample.flags has tho
     BSDF_SPECULAR = 4,          /* delta: eval and pdf are 0, only sample finds it */
     BSDF_SMOOTH   = 8,          /* not delta: eval and pdf are meaningful */
     BSDF_LOBES    = 16,         /* sample chooses between parts by `lobe` */
-    BSDF_TANGENT  = 32          /* differs along the two tangents: x is that along which u grows */
+    BSDF_TANGENT  = 32,         /* differs along the two tangents: x is that along which u grows */
+    BSDF_MATT     = 64          /* of smooth events: drawn from the part that has no lobe about a
+                                 * reflection or refraction. Methods that follow no diffuse light
+                                 * let such paths end; measured models do not say it */
 };
 
 typedef struct {
@@ -30,6 +33,8 @@ typedef struct {
     int   flags;
     float eta;                  /* index ratio crossed, transmitted over incident side; else 1 */
 } BsdfSample;
+
+enum { BSDF_DELTAS = 16 };      /* most that a model may have: two of each of its parts */
 
 /* Where load() finds files: names are as seen from the file that names them. */
 typedef struct { const char *beside; uint64_t max_file; } BsdfFiles;
@@ -53,6 +58,10 @@ typedef struct {
     float (*pdf_w)(const Bsdf *b, V3 wo, V3 wi);
     /* lobe chooses between parts of the model, u the direction. False: absorbed. */
     bool (*sample)(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, BsdfSample *s);
+    /* All delta events for wo, of radiance, and how many: for methods that follow each of them. The
+     * weight is f |cos| in the limit, not over the chance with which `sample` takes the event, so
+     * the means are the same. NULL: the model has none. */
+    int (*deltas)(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS]);
     /* Directional albedo for wo, or a close estimate of it: for roulette and AOVs, not exact. */
     Rgb (*albedo)(const Bsdf *b, V3 wo);
     /* Directions wi around which f is large (at most 16), and how many. [Cline07 5.2.2] */
@@ -77,6 +86,10 @@ INLINE void bsdf_make(Bsdf *b, const BsdfKind *kind, const Rgb *value, const voi
     b->flags = kind->flags;
     kind->setup(b, value, data);
 }
+INLINE int bsdf_deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    return b->flags & BSDF_SPECULAR ? b->kind->deltas(b, wo, s) : 0;
+}
 /* Gives a mixture, made before, its two parts, which are borrowed. Without them it is black. */
 void mix_parts(Bsdf *b, const Bsdf *first, const Bsdf *second);
 extern const BsdfKind bsdf_mix;
@@ -85,6 +98,11 @@ INLINE float cos_of(V3 w) { return w.z; }
 INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }
 
 /* ---- for the models ---- */
+
+INLINE BsdfSample delta_event(V3 wi, Rgb weight, int side, float eta)
+{
+    return (BsdfSample){ wi, weight, 0.0f, side | BSDF_SPECULAR, eta };
+}
 
 INLINE V3 mirror_z(V3 w) { return (V3){ -w.x, -w.y, w.z }; }
 INLINE V3 above(V3 w) { return (V3){ w.x, w.y, fabsf(w.z) }; }   /* reflective models: both sides */

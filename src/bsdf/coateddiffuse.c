@@ -147,10 +147,19 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (!(s->pdf_w > 0.0f))
         return false;
     s->weight = rgb_scale(f_of(c, up, s->wi, E), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (lobe < share ? 0 : BSDF_MATT);
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;
     return true;
+}
+
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    if (!is_smooth(of(b)) || wo.z == 0.0f)
+        return 0;
+    s[0] = delta_event(mirror_z(wo), rgb_scale(of(b)->specular, coat_albedo(of(b), above(wo))),
+                       BSDF_REFLECT, 1.0f);
+    return 1;
 }
 
 static Rgb albedo(const Bsdf *b, V3 wo)
@@ -186,7 +195,7 @@ static const OptDef options[] = {
 const BsdfKind bsdf_coateddiffuse = {
     .info = { "coateddiffuse", "Ashikhmin00; Kelemen01; Walter07; Heitz18",
               "matt under a clear coat: plastic, pottery, varnish", options },
-    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES |
-             BSDF_TANGENT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT | BSDF_MATT,
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .deltas = deltas,
+    .albedo = albedo, .peaks = peaks
 };

@@ -88,10 +88,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     (void)lobe, (void)importance;
     s->eta = 1.0f;
     if (is_mirror(c)) {
-        s->wi = mirror_z(wo);
-        s->weight = fresnel(c, up.z);
-        s->pdf_w = 0.0f;
-        s->flags = BSDF_REFLECT | BSDF_SPECULAR;
+        *s = delta_event(mirror_z(wo), fresnel(c, up.z), BSDF_REFLECT, 1.0f);
         return wo.z != 0.0f;
     }
     s->wi = ggx_sample(c->facets, up, u);
@@ -103,6 +100,11 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;
     return s->pdf_w > 0.0f;
+}
+
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    return is_mirror(of(b)) && sample(b, wo, 0.0f, (V2){ 0, 0 }, false, s);
 }
 
 static Rgb albedo(const Bsdf *b, V3 wo)
@@ -135,5 +137,6 @@ const BsdfKind bsdf_conductor = {
     .info = { "conductor", "Walter07; Heitz14 5.3; Heitz18; Cline07 5.2.2",
               "metal, polished or rough", options },
     .flags = BSDF_REFLECT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_TANGENT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .deltas = deltas,
+    .albedo = albedo, .peaks = peaks
 };

@@ -82,6 +82,21 @@ static bool sample_polished(const Bsdf *b, V3 wo, float lobe, bool importance, B
     return s->wi.z != 0.0f;
 }
 
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    const Dielectric *d = of(b);
+    double eta = eta_across(d, wo), c = fabsf(wo.z), t = refract_cos(c, eta);
+    double F = fresnel_with(c, t, eta);
+
+    if (wo.z == 0.0f || !is_polished(d))
+        return 0;
+    s[0] = delta_event(mirror_z(wo), rgb_scale(d->reflectance, (float)F), BSDF_REFLECT, 1.0f);
+    s[1] = delta_event(refracted(wo, eta, t),
+                       rgb_scale(d->transmittance, (float)((1.0 - F) / (eta * eta))),
+                       BSDF_TRANSMIT, (float)eta);
+    return s[1].wi.z != 0.0f ? 2 : 1;
+}
+
 /* ---- rough: wo is taken to lie above; what lies below has been mirrored ---- */
 
 /* A pair of directions and the facet between them. */
@@ -274,5 +289,6 @@ const BsdfKind bsdf_dielectric = {
               "glass or water, polished or rough: reflects and refracts", options },
     .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES |
              BSDF_TANGENT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .deltas = deltas,
+    .albedo = albedo, .peaks = peaks
 };

@@ -36,7 +36,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;
     s->weight = of(b)->reflectance;
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_MATT;
     s->eta = 1.0f;
     return same_side(wo, s->wi);
 }
@@ -63,6 +63,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_diffuse = {
     .info = { "diffuse", "Lambert1760; Cline07 5.2.2", "matt: the same in every direction",
               options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

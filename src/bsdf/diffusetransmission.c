@@ -57,7 +57,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if ((wo.z < 0.0f) == reflects)
         s->wi.z = -s->wi.z;
     s->weight = rgb_scale(reflects ? sheet->reflectance : sheet->transmittance, 1.0f / p);
-    s->flags = (reflects ? BSDF_REFLECT : BSDF_TRANSMIT) | BSDF_SMOOTH;
+    s->flags = (reflects ? BSDF_REFLECT : BSDF_TRANSMIT) | BSDF_SMOOTH | BSDF_MATT;
     s->eta = 1.0f;
     return wo.z * s->wi.z != 0.0f;
 }
@@ -87,6 +87,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_diffusetransmission = {
     .info = { "diffusetransmission", "Lambert1760; Cline07 5.2.2",
               "a thin matt sheet, lit from both sides: leaves, paper", options },
-    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SMOOTH | BSDF_LOBES,
+    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

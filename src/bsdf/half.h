@@ -55,13 +55,13 @@ INLINE V2 circle_and(V2 u, double *rest)
 }
 
 /* Ends the sampling of s->wi, which is above, for a wo of either side, where f and pdf_w are. */
-INLINE bool reflects(BsdfSample *s, V3 wo, Rgb f, float pdf_w)
+INLINE bool reflects(BsdfSample *s, V3 wo, Rgb f, float pdf_w, bool matt)
 {
     if (!(pdf_w > 0.0f))
         return false;
     s->pdf_w = pdf_w;
     s->weight = rgb_scale(f, s->wi.z / pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (matt ? BSDF_MATT : 0);
     s->eta = 1.0f;
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;

@@ -264,7 +264,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (!(s->pdf_w > 0.0f))
         return false;
     s->weight = rgb_scale(f, s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (j < 0 ? BSDF_MATT : 0);
     s->eta = 1.0f;
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;
@@ -306,7 +306,7 @@ static const OptDef options[] = {
 const BsdfKind bsdf_lafortune = {
     .info = { "lafortune", "Lafortune97; Cline07 5.2.2",
               "matt with any number of cosine lobes: skin, clay", options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT | BSDF_MATT,
     .load = load, .drop = mem_free,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

@@ -15,12 +15,13 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
 static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, BsdfSample *s)
 {
     (void)lobe, (void)u, (void)importance;
-    s->wi = mirror_z(wo);
-    s->weight = of(b)->reflectance;
-    s->pdf_w = 0.0f;
-    s->flags = BSDF_REFLECT | BSDF_SPECULAR;
-    s->eta = 1.0f;
+    *s = delta_event(mirror_z(wo), of(b)->reflectance, BSDF_REFLECT, 1.0f);
     return wo.z != 0.0f;
+}
+
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    return sample(b, wo, 0.0f, (V2){ 0, 0 }, false, s);
 }
 
 static Rgb albedo(const Bsdf *b, V3 wo)
@@ -46,5 +47,5 @@ const BsdfKind bsdf_mirror = {
     .info = { "mirror", "Shirley91 5.3", "perfect mirror of one colour", options },
     .flags = BSDF_REFLECT | BSDF_SPECULAR,
     .setup = setup, .eval = bsdf_eval_none, .pdf_w = bsdf_pdf_none,
-    .sample = sample, .albedo = albedo, .peaks = peaks
+    .sample = sample, .deltas = deltas, .albedo = albedo, .peaks = peaks
 };

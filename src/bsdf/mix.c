@@ -82,6 +82,17 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     return s->pdf_w > 0.0f;
 }
 
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    const Mix *m = of(b);
+    int n = 0;
+    for (int k = 0; k < 2 && m->part[0]; k++)
+        if (chance(m, k) > 0.0f)
+            for (int end = n + bsdf_deltas(m->part[k], wo, s + n); n < end; n++)
+                s[n].weight = rgb_mul(s[n].weight, share(m, k));
+    return n;
+}
+
 static Rgb albedo(const Bsdf *b, V3 wo)
 {
     const Mix *m = of(b);
@@ -115,6 +126,8 @@ static const OptDef options[] = {
 
 const BsdfKind bsdf_mix = {
     .info = { "mix", "Cline07 5.2.2", "two materials by their names, side by side", options },
-    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR | BSDF_SMOOTH | BSDF_LOBES |
+             BSDF_TANGENT | BSDF_MATT,
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .deltas = deltas,
+    .albedo = albedo, .peaks = peaks
 };

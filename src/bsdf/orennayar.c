@@ -64,7 +64,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (wo.z < 0.0f)
         s->wi.z = -s->wi.z;
     s->weight = rgb_scale(of(b)->reflectance, shape(of(b), wo, s->wi));
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_MATT;
     s->eta = 1.0f;
     return same_side(wo, s->wi);
 }
@@ -96,6 +96,6 @@ static const OptDef options[] = {
 
 const BsdfKind bsdf_orennayar = {
     .info = { "orennayar", "OrenNayar94; Cline07 5.2.2", "matt and rough: clay, plaster", options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

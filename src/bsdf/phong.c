@@ -102,7 +102,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     if (!(s->pdf_w > 0.0f))
         return false;
     s->weight = rgb_scale(f_of(p, c), fabsf(s->wi.z) / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (lobe < p->glossy ? 0 : BSDF_MATT);
     s->eta = 1.0f;
     return true;
 }
@@ -137,6 +137,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_phong = {
     .info = { "phong", "Lafortune94; Cline07 5.2.2", "matt with a glossy lobe, normalised",
               options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };

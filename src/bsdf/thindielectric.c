@@ -49,6 +49,18 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     return true;
 }
 
+static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
+{
+    const Pane *p = of(b);
+    float F = reflected(p, wo);
+
+    if (wo.z == 0.0f)
+        return 0;
+    s[0] = delta_event(mirror_z(wo), rgb_scale(p->reflectance, F), BSDF_REFLECT, 1.0f);
+    s[1] = delta_event(v_neg(wo), rgb_scale(p->transmittance, 1.0f - F), BSDF_TRANSMIT, 1.0f);
+    return 2;
+}
+
 static Rgb albedo(const Bsdf *b, V3 wo)
 {
     const Pane *p = of(b);
@@ -79,5 +91,5 @@ const BsdfKind bsdf_thindielectric = {
               "a thin pane of glass: reflects and lets pass", options },
     .flags = BSDF_REFLECT | BSDF_TRANSMIT | BSDF_SPECULAR | BSDF_LOBES,
     .setup = setup, .eval = bsdf_eval_none, .pdf_w = bsdf_pdf_none,
-    .sample = sample, .albedo = albedo, .peaks = peaks
+    .sample = sample, .deltas = deltas, .albedo = albedo, .peaks = peaks
 };

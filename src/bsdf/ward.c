@@ -99,14 +99,15 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     V3 up = above(wo);
     Half h;
     double gloss;
+    bool matt = !(lobe < w->glossy);
 
     (void)importance;
-    s->wi = lobe < w->glossy ? reflected(w, up, u) : warp_cosine(u);
+    s->wi = !matt ? reflected(w, up, u) : warp_cosine(u);
     if (!same_side(up, s->wi))
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(w, &h);
-    return reflects(s, wo, f_of(w, &h, gloss), pdf_of(w, s->wi, &h, gloss));
+    return reflects(s, wo, f_of(w, &h, gloss), pdf_of(w, s->wi, &h, gloss), matt);
 }
 
 /* The lobe's is a fit: a wide one sends light below the surface, but little from grazing eyes. */
@@ -142,6 +143,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_ward = {
     .info = { "ward", "Ward92; Geisler10; Cline07 5.2.2",
               "matt with a glossy lobe that may be stretched: brushed metal", options },
-    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT,
+    .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_TANGENT | BSDF_MATT,
     .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
 };
