@@ -60,6 +60,12 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     return rgb_all((float)open / (float)it->samples);
 }
 
+static bool glows(const Integrator *it)
+{
+    (void)it;
+    return true;
+}
+
 static Integrator *open_ao(const Scene *s, const Opts *o)
 {
     Ao *it = MEM_NEW(Ao);
@@ -86,5 +92,5 @@ static const OptDef options[] = {
 const IntegratorKind integrator_ao = {
     .info = { "ao", "Zhukov98", "ambient occlusion, for looking at meshes", options },
     .truth = BIASED, .misses = "everything but a uniform sky on white surfaces",
-    .open = open_ao, .close = close_ao, .radiance = radiance
+    .open = open_ao, .close = close_ao, .radiance = radiance, .glows = glows
 };

@@ -3,6 +3,8 @@
 
 #define INTEGRATORS(X)                                                         \
     X(path)                     /* eye paths */                                \
+    X(whitted)                  /* trees of mirror images, no noise */         \
+    X(distributed)              /* blur and gloss, no indirect diffuse light */ \
     X(ao)                       /* how open the surroundings are */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,

@@ -102,6 +102,9 @@ typedef struct {
     Integrator *(*open)(const Scene *s, const Opts *o);
     void (*close)(Integrator *it);
 
+    /* Whether it shows light where the scene's lights give none. NULL: no. */
+    bool (*glows)(const Integrator *it);
+
     /* Shape 1: radiance arriving along the ray, one estimate. NULL: shape 2. */
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
 

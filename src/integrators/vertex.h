@@ -58,21 +58,25 @@ INLINE float vertex_pdf_w(const Vertex *v, V3 local)
     return v->b->kind->pdf_w(v->b, v->wo, local);
 }
 
+/* Turns s->wi from local to the world. False: light from there would pass through the surface. */
+INLINE bool vertex_turns(const Vertex *v, BsdfSample *s)
+{
+    float z = s->wi.z;
+    s->wi = frame_out(&v->frame, s->wi);
+    return v_dot(s->wi, v->s.ng) * z > 0.0f;
+}
+
 /* Scatters: decisions LOBE and DIRECTION number `at`. s->wi is of the world. False: absorbed. */
 INLINE bool vertex_sample(const Vertex *v, Tracer *t, int at, BsdfSample *s)
 {
     V2 u = { 0, 0 };
-    float lobe = 0.0f, z;
+    float lobe = 0.0f;
 
     if (v->b->flags & BSDF_LOBES)
         lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, at));
     if (v->b->flags & BSDF_SMOOTH)
         u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, at));
-    if (!v->b->kind->sample(v->b, v->wo, lobe, u, false, s))
-        return false;
-    z = s->wi.z;
-    s->wi = frame_out(&v->frame, s->wi);
-    return v_dot(s->wi, v->s.ng) * z > 0.0f;
+    return v->b->kind->sample(v->b, v->wo, lobe, u, false, s) && vertex_turns(v, s);
 }
 
 /* The ray that leaves that way. */

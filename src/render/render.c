@@ -210,11 +210,11 @@ static void job_clear(Job *j)
 }
 
 /* A light that gives nothing, or none at all, is no error, but worth a word. */
-static bool warn_if_dark(const Scene *s, const RenderSettings *settings)
+static bool warn_if_dark(const Scene *s, const Integrator *it)
 {
     float sum = 0.0f;
 
-    if (!strcmp(settings->integrator->info.name, "ao"))
+    if (it->kind->glows && it->kind->glows(it))
         return true;
     for (size_t i = 0; i < s->nlights; i++)
         sum += rgb_lum(s->lights[i]->kind->power(s->lights[i]));
@@ -251,7 +251,7 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     scene->camera->kind->film(scene->camera, s.w, s.h);
     j.blurs = scene_blurs(scene);
     j.time = scene_time(scene, 0.0f);
-    ok = job_init(&j, &s.spp) && warn_if_dark(scene, &s);
+    ok = job_init(&j, &s.spp) && warn_if_dark(scene, j.integrator);
     if (ok) {
         progress_start(&j.progress);
         cpu = clock_cpu();

@@ -61,6 +61,19 @@ void sampler_start(Sampler *s, uint32_t index);         /* before each sample of
 INLINE float sample_1d(Sampler *s, Decision d) { return s->kind->one(s, d); }
 INLINE V2    sample_2d(Sampler *s, Decision d) { return s->kind->two(s, d); }
 
+/* For a sample that decides some things n times: a sampler for the k-th time. The n times of all
+ * samples of a pixel are one pattern, n times as long, so they are spread as evenly over the pixel
+ * as over each sample, and other decisions are matched with them as samples are among themselves:
+ * [Shirley91 5.4.1] by permutation, not by multiplying. Decisions that it makes must not be made by
+ * *s too. */
+INLINE Sampler sampler_part(const Sampler *s, uint32_t n, uint32_t k)
+{
+    Sampler part = *s;
+    if (n > 1)
+        sampler_start(&part, s->index * n + k);
+    return part;
+}
+
 extern const SamplerKind *const samplers[];     /* ends with NULL */
 #define SAMPLER_DEFAULT "zerotwo"
 

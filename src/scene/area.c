@@ -410,6 +410,7 @@ static bool emit(const Light *base, V2 u, V2 v, Emission *e)
         v.x = back ? 2.0f * v.x - 1.0f : 2.0f * v.x;
     e->p = at.p;
     e->err = at.err;
+    e->uv = at.uv;
     e->n = back ? v_neg(at.n) : at.n;
     f = frame_about(e->n);
     e->d = v_unit(frame_out(&f, direction_about(l, v)));

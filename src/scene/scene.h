@@ -97,6 +97,7 @@ typedef struct {
     V3    d;                    /* unit, the way the light goes */
     Rgb   L;
     float cosine, pdf_a, pdf_w;
+    V2    uv;                   /* of p, where the light is a shape */
 } Emission;
 
 /* The first ray, which does not meet the surface that it leaves. Lights stand still: any time. */
