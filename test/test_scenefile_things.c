@@ -324,7 +324,8 @@ static void mixtures_shine(void)
     b = material_bsdf(m, &s, &room);
     EXPECT(fabsf(b->kind->eval(b, wo, wi, false).g * PI_F - 0.425f) < 1e-6f, "f is %g",
            b->kind->eval(b, wo, wi, false).g * PI_F);
-    EXPECT(b->flags == (BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT) && !m->tangent, "flags");
+    EXPECT(b->flags == (BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT) && !m->tangent,
+           "flags");
     scenefile_clear(&f);
 }
 

@@ -1,17 +1,17 @@
 /* ambient.c -- the code of `ambient.h`
  *
- * Estimate    [Shirley91 5.2.1]: of the lights' power Phi a part R is reflected once, R^2 twice, and
- *             so on. In a closed room all of it arrives somewhere, so
+ * Estimate    [Shirley91 5.2.1]: of the lights' power Phi a part R is reflected once, R^2 twice,
+ *             and so on. In a closed room all of it arrives somewhere, so
  *               Phi_indirect = Phi R / (1 - R),   L_ambient = Phi_indirect / (pi A)
- *             with A the area of all surfaces and R their mean reflectance, weighted by area. In the
- *             open, light is lost, and the estimate is too bright.
- * Departs     By colour channel. Mirrors and clear glass hand light on: they are in neither A nor R.
- *             R is at most R_MOST: a room in which nothing is absorbed would be bright without
- *             bounds. Environment lights are not in Phi: theirs is the light of a large sphere, most
- *             of which misses; a method that does not ask them adds their mean radiance.
+ *             with A the area of all surfaces and R their mean reflectance, weighted by area. In
+ *             the open, light is lost, and the estimate is too bright.
+ * Departs     By colour channel. Mirrors and clear glass hand light on: they are in neither A nor
+ *             R. R is at most R_MOST: a room in which nothing is absorbed would be bright without
+ *             bounds. Environment lights are not in Phi: theirs is the light of a large sphere,
+ *             most of which misses; a method that does not ask them adds their mean radiance.
  * Measured    Of each shape whose material has textures at POINTS points, else at one; for each at
- *             four angles, at which the squared cosine is even. Parts of instances by the mean scale
- *             of their maps, as they stand at time 0. */
+ *             four angles, at which the squared cosine is even. Parts of instances by the mean
+ *             scale of their maps, as they stand at time 0. */
 #include "integrators/ambient.h"
 
 #include "base/maths.h"

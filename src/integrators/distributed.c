@@ -4,15 +4,15 @@
  * Source      [Shirley91 5.4.1, figs 5.6 to 5.9] after Cook, Porter and Carpenter. Pixel, lens and
  *             time are drawn by the driver.
  * Paths       Those on which light is scattered once in any way and then, on its way to the eye,
- *             only by deltas and lobes (what is not BSDF_MATT): of these the mean is right. Of
- *             matt samples the ray only looks whether it meets a light.
- * Weights     Direct light by points of lights and by directions of the BSDF, n_l and n_b times: each
- *             has weight (n p)^2 over the sum of both, [Veach97 9.2.4].
+ *             only by deltas and lobes (what is not BSDF_MATT): of these the mean is right. Of matt
+ *             samples the ray only looks whether it meets a light.
+ * Weights     Direct light by points of lights and by directions of the BSDF, n_l and n_b times:
+ *             each has weight (n p)^2 over the sum of both, [Veach97 9.2.4].
  * Splitting   lightsamples and bsdfsamples are taken at the first surface on a beam that is more
  *             than a delta, and 1 of each at the later ones: the tree is no wider than bsdfsamples.
- * Jittering   Uncorrelated: every decision of a tree is stratified over all samples of the pixel and
- *             all branches by itself, and decisions are matched by permutations: sampler_part.
- * Departs     Instead of tracing reflection and refraction both, one is chosen, again stratified. */
+ * Jittering   Uncorrelated: every decision of a tree is stratified over all samples of the pixel
+ *             and all branches by itself, and decisions are matched by permutations: sampler_part.
+ * Departs     Instead of tracing reflection and refraction both, one is chosen, again evenly. */
 #include "base/mem.h"
 #include "integrators/ambient.h"
 #include "integrators/beam.h"
@@ -36,7 +36,7 @@ typedef struct {
 typedef struct {
     Beam  beam;
     V3    p, n;                 /* last vertex */
-    float pdf_w;                /* of the direction times the samples taken; 0: the eye or a delta */
+    float pdf_w;                /* of the direction times samples taken; 0: the eye or a delta */
     int   asked;                /* samples of lights taken there */
     bool  split;                /* past the surface that took more than one sample */
     bool  ends;                 /* the beam only looks for lights */
@@ -55,7 +55,8 @@ static float pmf(const Distributed *it, const Branch *e, const Light *l)
     return it->lights ? it->lights->kind->pmf(it->lights, e->p, e->n, l) : 1.0f;
 }
 
-static Rgb met(const Distributed *it, const Branch *e, const Light *l, const Surface *hit, Tracer *t)
+static Rgb met(const Distributed *it, const Branch *e, const Light *l, const Surface *hit,
+               Tracer *t)
 {
     Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
 

@@ -10,8 +10,8 @@
  *             falls below `cutoff`, as what is left out then can hardly be seen.
  * Work        The weights of one vertex add up to 1 or less, so of each depth at most 1/cutoff rays
  *             are followed, however bushy the tree: at most maxdepth/cutoff in all.
- * Departs     Surfaces may be both: a clear coat reflects and its base is lit. The scale of radiance
- *             in glass is taken out of the product that is compared with the cutoff.
+ * Departs     Surfaces may be both: a clear coat reflects and its base is lit. The scale of
+ *             radiance in glass is taken out of the product that is compared with the cutoff.
  * Samples     Each is the same ray tree; only its place on the pixel, lens and moment differ. */
 #include "base/mem.h"
 #include "integrators/ambient.h"
