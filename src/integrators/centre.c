@@ -5,7 +5,9 @@
  * those with one normal are one facet, so a flat lamp has one. */
 #include "integrators/centre.h"
 
-enum { GRID = 8, FINE = 32 };           /* for the facets, for the centre */
+#include <string.h>
+
+enum { GRID = 8, FINE = 16 };           /* for the facets, for the centre */
 
 /* Place k of n x n, seen by a particle that leaves along the normal or nearly so. */
 static bool place(const Light *l, int k, int n, Emission *e)
@@ -40,60 +42,54 @@ static bool same_facet(const Light *l, const Facet *f, const Emission *e)
     return !l->textured && v_len2(v_sub(f->at.ng, e->n)) < 1e-8f;
 }
 
-/* Adds the lamp's facets to those that there are. What a mask leaves of the light is less area. */
-static void add_facets(Centres *c, Centre *to)
+/* Adds the lamp's facets to those that there are. What a mask leaves of the light is less area.
+ * False: memory, reported. */
+static bool add_facets(Centres *c, Centre *to)
 {
     const Light *l = to->light;
 
     for (int k = 0; k < GRID * GRID; k++) {
-        uint32_t i = to->first;
+        size_t i = to->first;
+        Facet f = { .area = 0.0f };
         Emission e;
-        Surface at;
-        float all, area;
+        float all;
         if (!place(l, k, GRID, &e))
             continue;
-        at = surface_at(e.p, e.err, e.n, e.uv);
-        all = rgb_lum(l->kind->radiance(l, v_neg(e.d), &at));
+        f.at = surface_at(e.p, e.err, e.n, e.uv);
+        all = rgb_lum(l->kind->radiance(l, v_neg(e.d), &f.at));
         if (!(all > 0.0f))
             continue;
-        area = rgb_lum(e.L) / all / (e.pdf_a * (float)(GRID * GRID));
-        while (i < to->first + to->n && !same_facet(l, &c->facet[i], &e))
+        while (i < c->nfacets && !same_facet(l, &c->facet[i], &e))
             i++;
-        if (i == to->first + to->n) {
-            c->facet[i] = (Facet){ at, 0.0f };
-            to->n++;
-        }
-        c->facet[i].area += area;
+        if (i == c->nfacets && !MEM_PUSH(c->facet, c->nfacets, c->cap_facets, f))
+            return false;
+        c->facet[i].area += rgb_lum(e.L) / all / (e.pdf_a * (float)(GRID * GRID));
     }
+    to->n = c->nfacets - to->first;
+    return true;
 }
 
 bool centres_init(Centres *c, const Scene *s)
 {
-    uint32_t used = 0;
-    size_t lamps = 0;
-
-    c->n = 0;
-    for (size_t i = 0; i < s->nlights; i++)
-        lamps += s->lights[i]->kind->delta == DELTA_NONE && !s->lights[i]->kind->infinite;
+    memset(c, 0, sizeof *c);
     c->centre = MEM_ARRAY(Centre, s->nlights);
-    c->facet = MEM_ARRAY(Facet, lamps * (GRID * GRID));
-    if (!c->centre || !c->facet) {
-        centres_clear(c);
+    if (!c->centre)
         return false;
-    }
     for (size_t i = 0; i < s->nlights; i++) {
         const Light *l = s->lights[i];
-        Centre one = { l, { 0, 0, 0 }, used, 0 };
+        Centre one = { l, { 0, 0, 0 }, c->nfacets, 0 };
+        bool point = l->kind->delta != DELTA_NONE;
         if (l->kind->infinite || !(rgb_max(l->kind->power(l)) > 0.0f))
             continue;
-        if (l->kind->delta == DELTA_NONE) {
+        if (!point) {
             one.p = centre_of(l);
-            add_facets(c, &one);
-            if (!one.n)
-                continue;
-            used += one.n;
+            if (!add_facets(c, &one)) {
+                centres_clear(c);
+                return false;
+            }
         }
-        c->centre[c->n++] = one;
+        if (point || one.n)
+            c->centre[c->n++] = one;
     }
     return true;
 }
@@ -102,9 +98,7 @@ void centres_clear(Centres *c)
 {
     mem_free(c->centre);
     mem_free(c->facet);
-    c->centre = NULL;
-    c->facet = NULL;
-    c->n = 0;
+    memset(c, 0, sizeof *c);
 }
 
 /* wi: from outside towards the lamp. */
@@ -112,7 +106,7 @@ static Rgb intensity(const Centres *c, const Centre *of, V3 wi)
 {
     Rgb sum = rgb_all(0.0f);
 
-    for (uint32_t i = of->first; i < of->first + of->n; i++) {
+    for (size_t i = of->first; i < of->first + of->n; i++) {
         const Facet *f = &c->facet[i];
         Rgb L = of->light->kind->radiance(of->light, wi, &f->at);
         sum = rgb_add(sum, rgb_scale(L, f->area * v_absdot(f->at.ng, wi)));

@@ -18,13 +18,14 @@ typedef struct { Surface at; float area; } Facet;
 typedef struct {
     const Light *light;         /* borrowed */
     V3       p;                 /* the centre, if it has facets */
-    uint32_t first, n;          /* its facets; 0: a point or a direction by itself */
+    size_t   first, n;          /* its facets; 0: a point or a direction by itself */
 } Centre;
 
 typedef struct {
     Centre *centre;             /* owned */
     size_t  n;
     Facet  *facet;              /* owned */
+    size_t  nfacets, cap_facets;
 } Centres;
 
 /* False: memory, reported. */
