@@ -1,5 +1,7 @@
 /* bytes_hashes.h -- written by test_bytes.c, which says how. */
     { "integrator/path", 0xCF18F7DDC4D2AF77 },
+    { "integrator/whitted", 0x31615B0B1BAD0617 },
+    { "integrator/distributed", 0x031C4C7C71DCA566 },
     { "integrator/ao", 0x1F8F508FFDB6313E },
     { "sampler/random", 0x2843C6D5D5579BCF },
     { "sampler/zerotwo", 0xCF18F7DDC4D2AF77 },
