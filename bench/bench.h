@@ -15,6 +15,17 @@ void bench_memory(void);        /* table 3.1 of the document */
 void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
+void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
+void bench_samplers(void);      /* which sampler wins, scene by scene */
+
+/* Renders a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as it
+ * says; integrator and sampler NULL: those that it names. False: it said why. */
+bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
+                  uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report);
+
+/* relMSE without the noise of the references: for two independent ones r and q, the mean of
+ * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */
+double paired_relmse(const Image *a, const Image *r, const Image *q);
 
 /* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
 int sheet(int argc, char **argv);

@@ -10,10 +10,8 @@
  * what the program can do, and the median what it did. */
 enum { RUNS = 15 };
 
-/* Renders a scene of scenes/ with spp samples; NULL: by the integrator and sampler that it names.
- * False: it said why. */
-static bool run(const char *scene, const char *integrator, const char *sampler, uint32_t spp,
-                int threads, uint64_t seed, Image *im, RenderReport *report)
+bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
+                  uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report)
 {
     ReadLimits limits = READ_LIMITS_DEFAULT;
     RenderRequest q;
@@ -26,6 +24,7 @@ static bool run(const char *scene, const char *integrator, const char *sampler, 
     q.integrator = integrator;
     q.sampler = sampler;
     q.spp = spp;
+    q.w = q.h = side;
     q.threads = threads;
     q.seed = seed;
     q.seed_given = true;
@@ -60,7 +59,7 @@ static void throughput(const char *scene, const char *integrator, const char *sa
     RenderReport r;
 
     for (int k = -1; k < RUNS; k++) {
-        if (!run(scene, integrator, sampler, 8, 1, 0, NULL, &r))
+        if (!bench_render(scene, integrator, sampler, 0, 8, 1, 0, NULL, &r))
             return;
         if (k >= 0) {
             paths[k] = (double)r.samples * 1e-6 / r.cpu_seconds;
@@ -84,9 +83,7 @@ void bench_paths(void)
     throughput("scenes/cornell.pbrt", "path:maxdepth=12", "zerotwo", "");
 }
 
-/* relMSE without the noise of the references: for two independent ones r and q, the mean of
- * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */
-static double paired_relmse(const Image *a, const Image *r, const Image *q)
+double paired_relmse(const Image *a, const Image *r, const Image *q)
 {
     double sum = 0;
     size_t n = (size_t)a->w * a->h;
@@ -111,11 +108,11 @@ static void error_after(const char *scene, const char *reference, const char *pe
     uint32_t spp;
 
     snprintf(path, sizeof path, "%s/%s", root ? root : "../shared/data", reference);
-    if (run(scene, NULL, NULL, 16, 1, 0, NULL, &r) &&
+    if (bench_render(scene, NULL, NULL, 0, 16, 1, 0, NULL, &r) &&
         image_read(&ref, path, IMAGE_PIXELS_DEFAULT)) {
         spp = (uint32_t)(16 * 20.0 / r.cpu_seconds);
-        if (run(scene, NULL, NULL, spp, processors(), 0, &im, &r) &&
-            run(scene, NULL, NULL, 4 * spp, processors(), 99, &own, &unused) &&
+        if (bench_render(scene, NULL, NULL, 0, spp, processors(), 0, &im, &r) &&
+            bench_render(scene, NULL, NULL, 0, 4 * spp, processors(), 99, &own, &unused) &&
             image_compare(&im, scene, &ref, path, &d)) {
             double e = paired_relmse(&im, &ref, &own);
             printf("error\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.6f\tscaled to 20 s %.6f\t"

@@ -1,0 +1,3 @@
+/* patterns.c -- stub */
+#include "bench/bench.h"
+void bench_patterns(void) { }
