@@ -1,7 +1,7 @@
 /* samplers.c -- which sampler wins: relMSE times CPU-seconds of `path`, of scenes of scenes/ in
  * 96 x 96 pixels, against two references of many samples by another seed and sampler. SAMPLERS and
- * SCENES="a b" choose others, SPP=n other than 64 samples. Runs alternate, so that whatever else the
- * machine does hits all of them. */
+ * SCENES="a b" choose others, SPP=n other than 64 samples. Runs alternate, so that whatever else
+ * the machine does hits all of them. */
 #include "bench/bench.h"
 
 #include <stdio.h>

@@ -95,7 +95,7 @@ static V2 two(Sampler *s, Decision d)
 static const OptDef options[] = {
     RANDOMIZE_OPTION("owen"),
     { .key = "dimensions", .type = OPT_INT, .num = 8, .lo = 0, .hi = BASES,
-      .help = "of one sequence: pixel, then of each bounce direction, point on light, light, lobe" },
+      .help = "of one sequence: pixel, then of each bounce direction, light point, light, lobe" },
     { .key = NULL }
 };
 

@@ -36,7 +36,7 @@ static const OptDef options[] = {
 
 const SamplerKind sampler_multijittered = {
     .info = { "multijittered", "Cline07 4.5.4",
-              "one sample in each cell, row and column; counts are rounded up to a product a b "
-              "with a <= b <= 2 a", options },
+              "one sample in each cell, row and column; counts are rounded up to 3 or a "
+              "product a b with a <= b <= 2 a", options },
     .init = init, .start = pattern_start, .one = stratified_one, .two = two
 };

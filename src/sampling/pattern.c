@@ -21,7 +21,8 @@ void plan_blocks(Sampler *s, uint32_t spp, uint32_t most)
     s->most = most ? most : 1u << 30;
 }
 
-/* The most even a x b of at least n strata; exact where 2 a >= b allows it. */
+/* The most even a x b of at least n strata, a <= b <= 2 a; exactly n if there are such. Three stay
+ * 1 x 3. */
 static void even_strata(uint32_t n, uint32_t *a, uint32_t *b)
 {
     uint32_t root = 1;
@@ -80,24 +81,33 @@ void pattern_start(Sampler *s)
 
 /* ---- orders ---- */
 
+static uint64_t next_key(uint64_t key)
+{
+    return key * 6364136223846793005u + 1442695040888963407u;
+}
+
 /* Of few things every order alike often: Fisher and Yates, following the one place. */
 static uint32_t permuted_few(uint32_t i, uint32_t n, uint64_t key)
 {
     for (uint32_t k = n - 1; k > 0; k--) {
         uint32_t j;
-        key = key * 6364136223846793005u + 1442695040888963407u;
+        key = next_key(key);
         j = (uint32_t)((key >> 32) * (k + 1) >> 32);
         i = i == k ? j : i == j ? k : i;
     }
     return i;
 }
 
-/* A bijection of the numbers up to mask = 2^k - 1: sums, odd factors and shifts. */
-static uint32_t mixed(uint32_t x, uint32_t mask, int half, const uint32_t r[4])
+/* A bijection of the numbers up to mask = 2^k - 1: sums, odd factors and shifts by half of k. Four
+ * rounds are not enough for the places of two things to be independent; six are. */
+static uint32_t mixed(uint32_t x, uint32_t mask, int half, uint64_t key)
 {
-    for (int k = 0; k < 4; k++) {
-        x = (x + r[k]) & mask;
-        x = x * (r[k] >> 8 | 1) & mask;
+    enum { ROUNDS = 6 };
+
+    for (int r = 0; r < ROUNDS; r++) {
+        key = next_key(key);
+        x = (x + (uint32_t)(key >> 35)) & mask;
+        x = x * ((uint32_t)(key >> 48) | 1) & mask;
         x ^= x >> half;
     }
     return x;
@@ -109,8 +119,7 @@ static uint32_t mixed(uint32_t x, uint32_t mask, int half, const uint32_t r[4])
 uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
 {
     enum { FEW = 16 };
-    uint64_t more;
-    uint32_t r[4], mask = n - 1, turn;
+    uint32_t mask = n - 1, turn;
     int half = 3;
 
     if (n <= 1)
@@ -124,15 +133,10 @@ uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
     mask |= mask >> 16;
     while (mask >> (2 * half - 1) > 1)
         half++;
-    more = mix64(key + 0x9E3779B97F4A7C15u);
-    r[0] = (uint32_t)key;
-    r[1] = (uint32_t)(key >> 32);
-    r[2] = (uint32_t)more;
-    r[3] = (uint32_t)(more >> 32);
     do
-        i = mixed(i, mask, half, r);
+        i = mixed(i, mask, half, key);
     while (i >= n);
-    turn = (uint32_t)((uint64_t)(uint32_t)((more >> 16) ^ key) * n >> 32);
+    turn = (uint32_t)((mix64(key) >> 32) * n >> 32);
     return i < n - turn ? i + turn : i - (n - turn);
 }
 

@@ -34,7 +34,7 @@ Randomize randomize_of(const Opts *o);
  * above `most` (0: any). */
 void plan_blocks(Sampler *s, uint32_t spp, uint32_t most);
 /* The same with strata: *spp is rounded up to a product of two numbers of which one is at most
- * twice the other; that is said by a note. */
+ * twice the other, but for 3; that is said by a note. */
 void plan_strata(Sampler *s, uint32_t *spp);
 /* After a sample's index is set: place, block, and strata if the number is not known. */
 void pattern_start(Sampler *s);

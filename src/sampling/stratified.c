@@ -72,7 +72,7 @@ static const OptDef options[] = {
 
 const SamplerKind sampler_stratified = {
     .info = { "stratified", "Cline07 4.5.2",
-              "one sample in each cell of a grid, jittered; counts are rounded up to a product a b "
-              "with a <= b <= 2 a", options },
+              "one sample in each cell of a grid, jittered; counts are rounded up to 3 or a "
+              "product a b with a <= b <= 2 a", options },
     .init = init, .start = pattern_start, .one = one, .two = two
 };
