@@ -1,5 +1,5 @@
 /* samplers.c -- which sampler wins: relMSE times CPU-seconds of `path`, of scenes of scenes/ in
- * 96 x 96 pixels, against two references of many samples by another seed and sampler. SAMPLERS and
+ * 96 x 96 pixels, against two references of many samples and other seeds. SAMPLERS and
  * SCENES="a b" choose others, SPP=n other than 64 samples. Runs alternate, so that whatever else
  * the machine does hits all of them. */
 #include "bench/bench.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 96, ROUNDS = 6, MOST = 24, REFERENCE_SPP = 4096 };
+enum { SIDE = 96, ROUNDS = 10, MOST = 24, REFERENCE_SPP = 1024 };
 
 typedef struct { char text[100]; double error, seconds; } Entry;
 
@@ -33,7 +33,7 @@ static void measure(const char *scene, Entry *e, int n, uint32_t spp)
     bool ok = true;
 
     for (int k = 0; k < 2 && ok; k++)
-        ok = bench_render(scene, NULL, "random", SIDE, REFERENCE_SPP, processors(),
+        ok = bench_render(scene, NULL, "zerotwo", SIDE, REFERENCE_SPP, processors(),
                           1000 + (uint64_t)k, &ref[k], &r);
     for (int round = 0; round < ROUNDS && ok; round++)
         for (int i = 0; i < n && ok; i++) {
