@@ -22,6 +22,7 @@ static Sampler pattern_of(const char *text, uint32_t *spp)
     const SamplerKind *kind = kind_from_text(samplers, "sampler", text, &o, &arena);
 
     messages_quiet(true);
+    memset(&s, 0, sizeof s);
     REQUIRE(kind && sampler_init(&s, kind, &o, 5, spp), "%s", text);
     arena_clear(&arena);
     return s;
@@ -453,6 +454,31 @@ static void directions(void)
 
 /* ---- what the user says ---- */
 
+/* As many samples as there can be, planned or not, and the last of them. */
+static void very_many(void)
+{
+    static const char *const more[] = { "uncorrelated:match=permuted", "halton:dimensions=32",
+                                        "halton:randomize=rotation", "sobol:dimensions=32" };
+
+    for (int k = 0; k < 4 || samplers[k - 4]; k++)
+        for (int planned = 0; planned < 2; planned++) {
+            uint32_t spp = planned ? UINT32_MAX : 0;
+            Sampler s = pattern_of(k < 4 ? more[k] : samplers[k - 4]->info.name, &spp);
+            for (uint32_t i = 0; i < 2000; i++) {
+                Decision d = i % 70;
+                V2 u;
+                float x;
+                sampler_pixel(&s, i, 3);
+                sampler_start(&s, i % 3 ? UINT32_MAX - i : i * 2000003u);
+                u = sample_2d(&s, d);
+                x = sample_1d(&s, d);
+                EXPECT(u.x >= 0 && u.x < 1 && u.y >= 0 && u.y < 1 && x >= 0 && x < 1,
+                       "%s: %g, %g; %g", s.kind->info.name, (double)u.x, (double)u.y, (double)x);
+            }
+            sampler_clear(&s);
+        }
+}
+
 /* Without randomizing all pixels are alike; with it none. */
 static void fixed(void)
 {
@@ -552,6 +578,7 @@ const TestCase test_patterns[] = {
     { "permutations", permutations, false }, { "permutations_even", permutations_even, false },
     { "uncorrelated", uncorrelated, false }, { "distances", distances, false },
     { "tiles", tiles, false }, { "halton_boxes", halton_boxes, false }, { "nets", nets, false },
-    { "directions", directions, false }, { "fixed", fixed, false }, { "names", names, false },
+    { "directions", directions, false }, { "very_many", very_many, false },
+    { "fixed", fixed, false }, { "names", names, false },
     { "pictures", pictures, false }, { NULL, NULL, false }
 };

@@ -44,8 +44,8 @@ void plan_strata(Sampler *s, uint32_t *spp)
     enum { STRATA_MOST = 1 << 30 };
     uint32_t n = *spp;
 
-    plan_blocks(s, n, STRATA_MOST);
-    if (!n || n > STRATA_MOST)
+    plan_blocks(s, n <= STRATA_MOST ? n : 0, STRATA_MOST);
+    if (!s->block)
         return;
     even_strata(n, &s->nx, &s->ny);
     s->block = *spp = s->nx * s->ny;
