@@ -9,7 +9,7 @@
     { "sampler/multijittered", 0x9C291E3F803E6909 },
     { "sampler/cmj", 0xA84BAE7EA971F524 },
     { "sampler/poisson", 0x72C6F57C6A11443B },
-    { "sampler/halton", 0x8752F3153E8B3048 },
+    { "sampler/halton", 0xF32DC46F46655449 },
     { "sampler/hammersley", 0x2105AF27554389AC },
     { "sampler/sobol", 0x0CBBB5E203DF6B4C },
     { "filter/box", 0xCF18F7DDC4D2AF77 },

@@ -356,8 +356,9 @@ static void halton_boxes(void)
         { DECISION(DECIDE_PIXEL, 0), 2, 3 }, { DECISION(DECIDE_DIRECTION, 0), 5, 7 },
         { DECISION(DECIDE_LIGHT_POINT, 0), 11, 13 }, { DECISION(DECIDE_DIRECTION, 3), 2, 3 }
     };
-    static const char *const text[] = { "halton", "halton:randomize=permutedigits",
-                                        "halton:randomize=none" };
+    static const char *const text[] = { "halton:dimensions=8",
+                                        "halton:dimensions=8,randomize=permutedigits",
+                                        "halton:dimensions=8,randomize=none" };
     static V2 u[MOST];
     Known known = { 0, 0 };
 

@@ -133,6 +133,8 @@ uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
     mask |= mask >> 16;
     while (mask >> (2 * half - 1) > 1)
         half++;
+    if (n == mask + 1)          /* nothing is beyond, and the first sum is a turn */
+        return mixed(i, mask, half, key);
     do
         i = mixed(i, mask, half, key);
     while (i >= n);
