@@ -16,6 +16,8 @@ void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
+void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
+void bench_samplers(void);      /* which sampler wins, scene by scene */
 
 /* Renders a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as it
  * says; integrator and sampler NULL: those that it names. False: it said why. */

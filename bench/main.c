@@ -14,6 +14,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "error", bench_error }, { "memory", bench_memory }, { "speed", bench_speed },
     { "arity", bench_arity }, { "zoneplate", bench_zoneplate },
     { "jitter", bench_jitter },
+    { "patterns", bench_patterns }, { "samplers", bench_samplers },
 };
 
 static void machine(void)

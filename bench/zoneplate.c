@@ -66,6 +66,7 @@ static void panel(Image *im, int k, const char *name, const FilterKind *kind, do
         for (int x = 0; x < SIDE; x++)
             *image_at(im, left + (uint32_t)x, top + (uint32_t)y) =
                 rgb_all((float)pixel(&f, &s, x, y));
+    sampler_clear(&s);
     printf("  %-24s%10.3f%10.3f%10.3f\n", name, contrast(im, left, top, 5, 35),
            contrast(im, left, top, SIDE / 2 - 20, SIDE / 2 + 20),
            contrast(im, left, top, SIDE - 40, SIDE));

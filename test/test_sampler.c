@@ -54,6 +54,7 @@ static void range(void)
             EXPECT(canonical(u.x) && canonical(u.y) && canonical(x), "%s gave %a, %a and %a",
                    samplers[k]->info.name, (double)u.x, (double)u.y, (double)x);
         }
+        sampler_clear(&s);
     }
     EXPECT(unit_of(UINT32_MAX) == ONE_MINUS_ULP, "the largest number is %a",
            (double)unit_of(UINT32_MAX));
@@ -80,6 +81,8 @@ static void pure(void)
             EXPECT(u.x == v.x && u.y == v.y && x == y && u.x == w.x && u.y == w.y,
                    "%s: two answers", samplers[k]->info.name);
         }
+        sampler_clear(&a);
+        sampler_clear(&b);
     }
 }
 
@@ -105,7 +108,7 @@ static void expect_even(const uint64_t *count, size_t n, uint64_t draws, const c
 static void uniform(void)
 {
     static const uint32_t index[6] = { 0, 1, 2, 5, 100, 4095 };
-    enum { PIXELS = 1000000 };
+    const uint32_t PIXELS = test_is_long() ? 1000000 : 100000;
 
     for (int k = 0; samplers[k]; k++)
         for (int i = 0; i < 6; i++) {
@@ -121,6 +124,7 @@ static void uniform(void)
             }
             expect_even(one, CELLS, PIXELS, samplers[k]->info.name, "1-D");
             expect_even(two, CELLS * CELLS, PIXELS, samplers[k]->info.name, "2-D");
+            sampler_clear(&s);
         }
 }
 
@@ -174,16 +178,19 @@ static void relate(Pairing *p, int relation, Sampler *s, Sampler *other, uint32_
 
 static void independent(void)
 {
+    const uint32_t pixels = test_is_long() ? 1000000 : 100000;
     static Pairing p;
 
     for (int k = 0; samplers[k]; k++) {
         Sampler s = sampler_of(samplers[k], 4), other = sampler_of(samplers[k], 5);
         for (int r = 0; r < RELATIONS; r++) {
             memset(&p, 0, sizeof p);
-            for (uint32_t pixel = 0; pixel < 1000000; pixel++)
+            for (uint32_t pixel = 0; pixel < pixels; pixel++)
                 relate(&p, r, &s, &other, pixel);
             expect_unrelated(&p, samplers[k]->info.name, relations[r]);
         }
+        sampler_clear(&s);
+        sampler_clear(&other);
     }
 }
 
@@ -194,7 +201,7 @@ static void independent(void)
  * the samples would all lie on one diagonal of halves or on the other: n^2 / 256. */
 static void independent_within_pixels(void)
 {
-    enum { PIXELS = 100000, SPP = 64 };
+    const uint32_t PIXELS = test_is_long() ? 100000 : 10000, SPP = 64;
 
     for (int k = 0; samplers[k]; k++) {
         Sampler s = sampler_of(samplers[k], 6);
@@ -213,6 +220,7 @@ static void independent_within_pixels(void)
         EXPECT(fabs(z) < SIGMAS, "%s: %g standard errors", samplers[k]->info.name, z);
         squares /= PIXELS * SPP / 144.0;
         EXPECT(squares < 2.1, "%s: %g times the variance", samplers[k]->info.name, squares);
+        sampler_clear(&s);
     }
 }
 

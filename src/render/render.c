@@ -189,9 +189,11 @@ static bool job_init(Job *j, uint32_t *spp)
         j->tracers[i].scene = j->scene;
         j->tracers[i].spread = spread;
         j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
-        if (!sampler_init(&j->tracers[i].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
-            return false;
     }
+    if (!sampler_init(&j->tracers[0].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
+        return false;
+    for (int i = 1; i < n; i++)
+        j->tracers[i].sampler = j->tracers[0].sampler;
     filter_init(&j->filter, s->filter, &s->filter_opts);
     j->integrator = s->integrator->open(j->scene, &s->integrator_opts);
     if (!j->integrator)
@@ -204,6 +206,8 @@ static void job_clear(Job *j)
 {
     if (j->integrator)
         j->integrator->kind->close(j->integrator);
+    if (j->tracers)
+        sampler_clear(&j->tracers[0].sampler);
     mem_free(j->tracers);
     mem_free(j->tallies);
     mem_free(j->rays_seen);

@@ -152,6 +152,27 @@ static bool resolve_seed(RenderSettings *s, const RenderRequest *q, SceneFile *f
     return true;
 }
 
+/* Samplers of other programs that are the same as one here, by another name; and those that are
+ * not, with what comes nearest. */
+static const char *sampler_stand_in(Setting *s)
+{
+    static const struct { const char *name, *here; bool same; } names[] = {
+        { "independent", "random", true },    { "02sequence", "zerotwo", true },
+        { "paddedsobol", "zerotwo", true },   { "lowdiscrepancy", "zerotwo", true },
+        { "latinhypercube", "nrooks", true }, { "bestcandidate", "poisson", true },
+        { "zsobol", "sobol", false },         { "pmj02bn", "zerotwo", false },
+        { "maxmindist", "zerotwo", false },
+    };
+
+    for (size_t k = 0; s->name && k < sizeof names / sizeof names[0]; k++)
+        if (!strcmp(s->name, names[k].name)) {
+            if (names[k].same)
+                s->name = names[k].here;
+            return names[k].here;
+        }
+    return SAMPLER_DEFAULT;
+}
+
 bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 {
     memset(s, 0, sizeof *s);
@@ -162,8 +183,8 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
                             INTEGRATOR_DEFAULT, &s->integrator_opts, &f->arena);
     if (!s->integrator)
         return false;
-    s->sampler = resolve(samplers, "sampler", q->sampler, &f->sampler, SAMPLER_DEFAULT,
-                         &s->sampler_opts, &f->arena);
+    s->sampler = resolve(samplers, "sampler", q->sampler, &f->sampler,
+                         sampler_stand_in(&f->sampler), &s->sampler_opts, &f->arena);
     if (!s->sampler)
         return false;
     s->filter = resolve(filters, "filter", q->filter, &f->filter, FILTER_DEFAULT, &s->filter_opts,

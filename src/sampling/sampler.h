@@ -32,9 +32,12 @@ typedef struct Sampler Sampler;
 
 typedef struct {
     KindInfo info;
-    /* From options. spp: samples a pixel that are planned, which the sampler may round up. False:
-     * reported. NULL: nothing to do. */
+    /* From options. spp: samples a pixel that are planned, which the sampler may round up, saying
+     * so by a note; 0: not known, as when a budget of time ends the render. A plan is no limit:
+     * any index may be asked for. False: reported, with nothing left to clear. NULL: nothing to
+     * do. */
     bool (*init)(Sampler *s, const Opts *o, uint32_t *spp);
+    void (*clear)(Sampler *s);  /* frees the state; NULL: it has none */
     /* After the index of a new sample is set. NULL: nothing to do. */
     void (*start)(Sampler *s);
     /* Numbers in [0, 1): multiples of 2^-24. */
@@ -42,7 +45,8 @@ typedef struct {
     V2    (*two)(Sampler *s, Decision d);
 } SamplerKind;
 
-/* By value: a copy is an independent sampler of the same pattern. */
+/* By value: a copy is an independent sampler of the same pattern. Copies share the state, which is
+ * only read; it is cleared once, by whoever holds the first. */
 struct Sampler {
     const SamplerKind *kind;
     uint64_t seed;
@@ -50,11 +54,20 @@ struct Sampler {
     uint64_t key;               /* key of pixel and sample */
     uint32_t index;             /* of the sample in its pixel */
     uint32_t reversed;          /* the index with its bits in reverse, where the kind wants it */
-    uint32_t spp;               /* planned samples a pixel */
-    void    *state;             /* the kind's own; NULL for those here */
+    uint32_t spp;               /* planned samples a pixel; 0: not known */
+    bool     fixed;             /* the same pattern in all pixels */
+    int      way;               /* of randomizing, or another choice of the kind's own */
+    int      dimensions;        /* of one sequence, where the kind has such */
+    uint32_t block, most;       /* samples of a pattern; 0: not known, see pattern.h */
+    uint32_t at, size;          /* the sample's place in its pattern; the pattern's samples */
+    uint32_t nx, ny;            /* its strata in 2-D */
+    uint32_t parts;             /* of strata, across, where the kind wants it */
+    uint64_t pattern;           /* key of pixel and pattern */
+    void    *state;             /* the kind's own, shared by copies; NULL: none */
 };
 
 bool sampler_init(Sampler *s, const SamplerKind *kind, const Opts *o, uint64_t seed, uint32_t *spp);
+void sampler_clear(Sampler *s);                         /* of all copies */
 void sampler_pixel(Sampler *s, uint32_t x, uint32_t y); /* before the first sample of a pixel */
 void sampler_start(Sampler *s, uint32_t index);         /* before each sample of the pixel */
 

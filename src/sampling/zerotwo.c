@@ -16,39 +16,7 @@
  * Departs     Owen's scrambling changes a digit by any function of the digits before it; this one
  *             by a linear one, at half the cost. Errors of pictures are the same.
  * Counts      Any; powers of two are best, since then the blocks are whole. */
-#include "sampling/sampler.h"
-
-static uint32_t reverse_bits(uint32_t x)
-{
-    x = (uint32_t)(SWAP_BYTES((uint64_t)x) >> 32);
-    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-}
-
-/* A hash in which each bit depends on the bits below it only: on an index in reverse that is a
- * nested swap of halves. [Burley20 listing 1] */
-static uint32_t hash_upwards(uint32_t x, uint32_t seed)
-{
-    x ^= x * 0x3D20ADEAu;
-    x += seed;
-    x *= (seed >> 16) | 1u;
-    x ^= x * 0x05526C56u;
-    x ^= x * 0x53A22864u;
-    return x;
-}
-
-/* The second dimension of Sobol's sequence from the first: the digits of the index times Pascal's
- * triangle modulo 2. C(j,i) is odd when the bits of i are among those of j [Lucas], so digit i is
- * the sum of the digits j that hold i: a sum over supersets, in five steps. */
-static uint32_t pascal(uint32_t x)
-{
-    x ^= x << 1 & 0xAAAAAAAAu;
-    x ^= x << 2 & 0xCCCCCCCCu;
-    x ^= x << 4 & 0xF0F0F0F0u;
-    x ^= x << 8 & 0xFF00FF00u;
-    return x ^ x << 16;
-}
+#include "sampling/pattern.h"
 
 /* To each digit of x the sum, modulo 2, of those digits before it that `choice` picks by their
  * distance; then of a digit of `shift`. Two numbers that differ in some digit first are apart by
@@ -59,29 +27,55 @@ static float scrambled(uint32_t x, uint32_t choice, uint32_t shift)
     return unit_of((uint32_t)sums ^ shift);
 }
 
-/* The second 64 random bits of a decision. */
-#define SECOND ((uint64_t)1 << 32)
-
 static float one(Sampler *s, Decision d)
 {
     uint64_t a = draw64(s->pixel, d), b = draw64(s->pixel, d | SECOND);
     uint32_t x = hash_upwards(s->reversed, (uint32_t)a);
+    if (UNLIKELY(s->way != OWEN))
+        return unit_of(randomized((Randomize)s->way, x, (uint32_t)b));
     return scrambled(x, (uint32_t)(a >> 32), (uint32_t)b);
+}
+
+/* In another way; or as they are, for the place on the pixel also in their order. */
+static NOINLINE V2 unscrambled(const Sampler *s, Decision d, uint32_t x, uint64_t b)
+{
+    Randomize way = (Randomize)s->way;
+
+    if (way == FIXED && d == DECISION(DECIDE_PIXEL, 0))
+        x = s->reversed;
+    return (V2){ unit_of(randomized(way, x, (uint32_t)(b >> 32))),
+                 unit_of(randomized(way, pascal(x), (uint32_t)b)) };
 }
 
 static V2 two(Sampler *s, Decision d)
 {
     uint64_t a = draw64(s->pixel, d), b = draw64(s->pixel, d | SECOND);
     uint32_t x = hash_upwards(s->reversed, (uint32_t)a), y = pascal(x);
+    if (UNLIKELY(s->way != OWEN))
+        return unscrambled(s, d, x, b);
     return (V2){ scrambled(x, (uint32_t)(a >> 32), (uint32_t)(b >> 32)),
                  scrambled(y, (uint32_t)(a >> 16), (uint32_t)b) };
+}
+
+static bool init(Sampler *s, const Opts *o, uint32_t *spp)
+{
+    (void)spp;
+    s->way = (int)randomize_of(o);
+    s->fixed = s->way == FIXED;
+    return true;
 }
 
 /* The index with its bits in reverse is wanted by every decision of the sample. */
 static void start(Sampler *s) { s->reversed = reverse_bits(s->index); }
 
+static const OptDef options[] = {
+    RANDOMIZE_OPTION("owen"),
+    { .key = NULL }
+};
+
 const SamplerKind sampler_zerotwo = {
     .info = { "zerotwo", "Cline07 4.5.5-6; TezukaFaure03",
-              "(0,2)-sequence, scrambled, for each decision; powers of two are best", NULL },
-    .start = start, .one = one, .two = two
+              "(0,2)-sequence, scrambled, for each decision; any sample count, powers of two are "
+              "best", options },
+    .init = init, .start = start, .one = one, .two = two
 };
