@@ -182,7 +182,7 @@ static void fair(void)
         EXPECT(fabs(off) <= 5.6 * e, "%s, %s, %lux%lu, error %g: mean %.4f, it is %.4f +- %.4f",
                c->policy, c->sampler, (unsigned long)c->w, (unsigned long)c->h, c->error, st.mean,
                SPIKES, e);
-        EXPECT(8.7 * e <= (c->w < 24 ? 0.1 : 0.04) * SPIKES, "%s, %s, %lux%lu: +- %.4f is too coarse",
+        EXPECT(8.7 * e <= (c->w < 24 ? 0.1 : 0.04) * SPIKES, "%s, %s, %lux%lu: +- %.4f, coarse",
                c->policy, c->sampler, (unsigned long)c->w, (unsigned long)c->h, e);
     }
     lab_clear(&l);
@@ -287,7 +287,8 @@ static void stops(void)
             s.sampler = kind_find(samplers, names[m]);
             s.error = wanted[k];
             is = true_error(&l, &s, 24, &stated, &count);
-            EXPECT(is / s.error < 1.2 && is / s.error > (m ? 0.67 : 0.8), "%s, %s: stops at %.4f, not %.4f",
+            EXPECT(is / s.error < 1.2 && is / s.error > (m ? 0.67 : 0.8),
+                   "%s, %s: stops at %.4f, not %.4f",
                    noisy[k]->info.name, names[m], is, s.error);
             EXPECT(fabs(stated / is - 1) < 0.2, "%s, %s: states %.4f, has %.4f",
                    noisy[k]->info.name, names[m], stated, is);
@@ -295,8 +296,8 @@ static void stops(void)
             s.error = 0;
             s.spp = (uint32_t)(count + 0.5);
             alike = true_error(&l, &s, 12, &stated, &count);
-            EXPECT(k || is < 0.95 * alike, "%s: %.4f with pixels that differ, %.4f with %.0f samples "
-                   "for each", names[m], is, alike, count);
+            EXPECT(k || is < 0.95 * alike, "%s: %.4f with pixels that differ, %.4f with %.0f "
+                   "samples for each", names[m], is, alike, count);
         }
     lab_clear(&l);
 }

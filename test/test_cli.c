@@ -268,9 +268,10 @@ static void wrong_settings(void)
         { "tiny.pbrt --quiet --filter=box:xradius=x",
           "box: 'xradius=x' is not right, expected xradius=(a number from 0 to 100)" },
         { "tiny.pbrt --quiet --aov normal",
-          "--aov takes NAME=FILE, with NAME one of normal depth albedo length:N strategy:NAME" },
+          "--aov takes NAME=FILE, with NAME one of normal depth albedo length:N strategy:NAME "
+          "samples" },
         { "tiny.pbrt --quiet --aov norml=x.pfm", "unknown --aov 'norml', did you mean 'normal'? "
-          "(have: normal depth albedo length:N strategy:NAME)" },
+          "(have: normal depth albedo length:N strategy:NAME samples)" },
         { "tiny.pbrt --quiet --aov=normal:3=x.pfm", "--aov normal takes nothing after ':'" },
         { "tiny.pbrt --quiet --aov length:0=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
         { "tiny.pbrt --quiet --aov length:17=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
@@ -342,6 +343,7 @@ static const struct { const char *name; const void *list; } SETS[] = {
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
     { "media", medium_kinds },
     { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
+    { "adaptives", adaptives },
     { "formats", image_formats },   { "tonemaps", tonemaps },
 };
 enum { SETS_N = sizeof SETS / sizeof *SETS };

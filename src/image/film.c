@@ -1,19 +1,19 @@
 /* film.c -- exact sums of samples. See film.h.
  *
  * Noise       What is the variance V(n) of a pixel's mean of n samples that are not independent? Of
- *             a block of 2^k samples in two halves with means a, b, the mean is (a + b)/2, and Q(k) =
- *             (a - b)^2/4 has, as var(a) = var(b) = V(2^(k-1)), the expectation
+ *             a block of 2^k samples in two halves with means a, b, the mean is (a + b)/2, and Q(k)
+ *             = (a - b)^2/4 has, as var(a) = var(b) = V(2^(k-1)), the expectation
  *                 E[Q(k)] = V(2^(k-1)) - V(2^k),
  *             however the halves depend on each other. V falls to nothing in the end, so V(2^k) is
  *             the sum of all E[Q] to come. With V ~ n^-a each of those is r = 2^-a of the one
  *             before: V(2^k) = E[Q(k)] r / (1 - r). For independent samples r = 1/2 and V = E[Q],
  *             half the squared difference of two halves over two, as [Cline07 (4.15)] has it; along
- *             edges, in strata, 0.354 and 0.547 Q, [Cline07 4.5.2]. r comes from the picture: Q(k) of
- *             all pixels over Q(k-2) is r^2. It is kept between these two: where the first few
+ *             edges, in strata, 0.354 and 0.547 Q, [Cline07 4.5.2]. r comes from the picture: Q(k)
+ *             of all pixels over Q(k-2) is r^2. It is kept between these two: where the first few
  *             samples do better than along edges, what is left does not. The mean of the first half
  *             is kept when it ends: Q(k) = (mean of all - that)^2.
- * Few pixels  Q has one degree of freedom a pixel. The plain variance of the samples has more, but is
- *             too high: it is given the weight of 32 pixels.
+ * Few pixels  Q has one degree of freedom a pixel. The plain variance of the samples has more, but
+ *             is too high: it is given the weight of 4 pixels.
  * Counts      Between powers of two V falls as 1/n. */
 #include "image/film.h"
 
@@ -23,7 +23,7 @@
 
 enum { FRACTION_BITS = 60, MOST_EXPONENT = 60 };
 static const double DECAY_OF_EDGES = 0.35355339;        /* 2^-1.5 */
-enum { PLAIN_WEIGHT = 32 };             /* pixels that the plain variance counts as */
+enum { PLAIN_WEIGHT = 4 };              /* pixels that the plain variance counts as */
 
 bool exact_add(Exact *e, float v)
 {

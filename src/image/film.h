@@ -73,9 +73,9 @@ void film_counts(const Film *f, Image *im);
 double film_error(const Film *f);
 double film_error_independent(const Film *f);
 
-/* How variance falls from block to block twice as long: the share r that is left, and the variance of
- * a block's mean as a multiple of Q. last, before: sums over the same pixels of Q for blocks of 2^k
- * and of 2^(k-2) samples; 0, 0: nobody knows. */
+/* How variance falls from block to block twice as long: the share r that is left, and the variance
+ * of a block's mean as a multiple of Q. last, before: sums over the same pixels of Q for blocks of
+ * 2^k and of 2^(k-2) samples; 0, 0: nobody knows. */
 double film_decay(double last, double before);
 INLINE double film_left(double r) { return r / (1 - r); }
 

@@ -5,9 +5,9 @@
  * the driver takes them. What a pixel has does not depend on threads, for a policy looks at pixels
  * that are complete, in an order that is fixed.
  *
- * Truth       A mean of n samples is unbiased if n does not depend on them. Which pixels a count may
- *             look at, and when, is said in the file of each policy. The counts depend on the pixels
- *             around, so a window (--crop) is not quite that part of the whole picture. */
+ * Truth       A mean of n samples is unbiased if n does not depend on them. Which pixels a count
+ *             may look at, and when, is said in the file of each policy. The counts depend on the
+ *             pixels around, so a window (--crop) is not quite that part of the whole picture. */
 #ifndef RENDER_ADAPTIVE_H
 #define RENDER_ADAPTIVE_H
 
@@ -29,7 +29,8 @@ typedef struct {
 
 /* Takes sample `index` of pixel (x, y), adds it to the film if it shall be kept, and returns its
  * luminance, 0 for one that the film refuses. */
-typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index, bool keep);
+typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index,
+                            bool keep);
 /* Whether the render shall end as soon as the picture is whole. */
 typedef bool (*IsLate)(void *ctx);
 

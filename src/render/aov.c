@@ -54,8 +54,8 @@ bool aov_parse(Aov *a, const char *text)
         word[n] = 0;
         near = nearest_name(word, names, NAMES);
         return err_usage("unknown --aov '%s'%s%s%s (have: normal depth albedo length:N "
-                         "strategy:NAME samples)", word, near ? ", did you mean '" : "", near ? near : "",
-                         near ? "'?" : "");
+                         "strategy:NAME samples)", word, near ? ", did you mean '" : "",
+                         near ? near : "", near ? "'?" : "");
     }
 }
 
@@ -70,7 +70,7 @@ bool aov_needs_tally(const Aov *a, int n)
 bool aov_needs_hit(const Aov *a, int n)
 {
     for (int i = 0; i < n; i++)
-        if (a[i].kind != AOV_LENGTH && a[i].kind != AOV_STRATEGY && a[i].kind != AOV_SAMPLES)
+        if (a[i].kind == AOV_NORMAL || a[i].kind == AOV_DEPTH || a[i].kind == AOV_ALBEDO)
             return true;
     return false;
 }

@@ -3,23 +3,28 @@
  *
  * Idea        For a given number of samples the error of a picture, the mean of the variances
  *             V = A n^-a of its pixels, is least where n is in proportion to A^(1/(a+1)): to the
- *             standard deviation of a sample if samples are independent (a = 1; there [Cline07 (5.9)]
- *             has it too). Pixels whose error were equal would do no better than pixels alike: both
- *             make it the mean of A over n.
+ *             standard deviation of a sample if samples are independent (a = 1; there [Cline07
+ *             (5.9)] has it too). Pixels whose error were equal would do no better than pixels
+ *             alike: both make it the mean of A over n.
  * Rounds      In round k each pixel has its first 2^k samples: these are scheduled, they depend on
- *             nothing. Pixels are coloured like a chessboard. For either colour the scheduled samples
- *             of the *other* one say: V of each pixel (the mean of Q over the nearest 12 of the other
- *             colour, times r/(1-r); see film.c), a, the brightness of the picture, and how many
- *             samples would bring the error of the picture down to X (or the mean count to what was
- *             asked for). Are these no more than FINISH times 2^k a pixel, then the colour's counts
- *             are final; else there is a round k + 1.
- * Truth       Unbiased, exactly. Counts of black pixels are a function of the first 2^k samples, k =
- *             1, 2, ..., of white ones, whether or not those are in the picture, and of nothing else.
- *             The subtle part is that "whether or not": black may want another round when white has
- *             its final counts. Then what white takes for that round, beyond these counts, is looked
- *             at and thrown away. Were it added, or were black to look at what white has by its final
- *             counts, then white's count would depend, by way of black, on white's samples. When does
- *             that happen? Seldom: both colours see nearly the same picture.
+ *             nothing. Pixels are coloured like a chessboard. For either colour the scheduled
+ *             samples of the *other* one say: V of its pixels (Q times r/(1-r); see film.c), a, the
+ *             brightness of the picture, and how many samples would bring the error of the picture
+ *             down to X (or the mean count to what was asked for), if each pixel had them as those
+ *             around it suggest. Are these no more than FINISH times 2^k a pixel, then the colour's
+ *             counts are final; else there is a round k + 1.
+ * Spikes      Where noise is made of rare bright samples, those met so far say little about where
+ *             the next will fall. So counts follow the mean of the roots of Q around a pixel, and
+ *             SHARED of their squares' mean goes to all. For the same reason V is taken from pixels
+ *             whose counts did not follow from their own Q: else it would come out too low.
+ * Truth       Unbiased, exactly. Counts of black pixels are a function of the first 2^k samples, k
+ *             = 1, 2, ..., of white ones, whether or not those are in the picture, and of nothing
+ *             else. The subtle part is that "whether or not": black may want another round when
+ *             white has its final counts. Then what white takes for that round, beyond these
+ *             counts, is looked at and thrown away. Were it added, or were black to look at what
+ *             white has by its final counts, then white's count would depend, by way of black, on
+ *             white's samples. When does that happen? Seldom: both colours see nearly the same
+ *             picture.
  * Few pixels  A window of less than APART pixels has its scheduled samples taken a second time, for
  *             looking at only, and both colours look at all of them.
  * Counts      Powers of two, so that the blocks of a (0,2)-sequence are whole, between 2^k and
@@ -28,7 +33,7 @@
  *             show where counts double. */
 #include "render/adaptive.h"
 
-static const double SHARED = 0.1;       /* of the mean variance, added to each pixel's */
+static const double SHARED = 0.1;
 enum { FINISH = 2, MORE = 4, APART = 64, TURNS = 30, LAST = 26 };
 
 /* What the other colour's first 2^k samples say of the picture. */
@@ -102,8 +107,9 @@ static int doublings(double wish, int most)
 
 /* Samples and variance of the pixels that a colour looks at, if they had what they would get by the
  * pixels around them, c being added to the octaves of their wishes. Only so is it an estimate for
- * the colour: its own pixels do not have the spikes that the wishes were made from, either. A doubling is
- * taken to halve the variance, which patterns do better than, but how much is not known yet. */
+ * the colour: its own pixels do not have the spikes that the wishes were made from, either. A
+ * doubling is taken to halve the variance, which patterns do better than, but how much is not known
+ * yet. */
 static Sum spend(const Adaptive *a, int colour, int k, double c, int most)
 {
     Sum s = { 0, 0, 0 };
@@ -253,7 +259,7 @@ static bool plan(Adaptive *a)
 static const OptDef options[] = { ADAPTIVE_LEAST, { .key = NULL } };
 
 const AdaptiveKind adaptive_neighbours = {
-    .info = { "neighbours", "Kirk91; Cline07 5.5", "pixels of one colour by those of the other, as on "
-              "a chessboard", options },
+    .info = { "neighbours", "Kirk91; Cline07 5.5", "pixels of one colour by those of the other, as "
+              "on a chessboard", options },
     .truth = UNBIASED, .start = start, .plan = plan
 };

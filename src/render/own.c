@@ -3,9 +3,9 @@
  * Source      The usual rule of renderers; [Kirk91] tells what is wrong with it.
  * Rule        After min, 2 min, 4 min ... samples: on with those whose standard error, from the
  *             spread of their samples, is above X times the mean of the picture.
- * Truth       Biased: a pixel that has not met its rare bright samples yet sees no spread, stops, and
- *             stays too dark; one that has met them goes on. With 2 % of the samples 50, the others
- *             0.5, and X = 0.5, the mean comes out 48 % low. The less X, the less. */
+ * Truth       Biased: a pixel that has not met its rare bright samples yet sees no spread, stops,
+ *             and stays too dark; one that has met them goes on. With 2 % of the samples 50, the
+ *             others 0.5, and X = 0.5, the mean comes out 48 % low. The less X, the less. */
 #include "render/adaptive.h"
 
 static bool plan(Adaptive *a)

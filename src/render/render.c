@@ -220,7 +220,8 @@ static float spread_of(const RenderSettings *s, const Camera *c)
 static bool adapt(Job *j)
 {
     const RenderSettings *s = j->settings;
-    const AdaptiveKind *kind = s->adaptive && s->integrator->radiance ? s->adaptive : &adaptive_none;
+    bool can = s->adaptive && s->integrator->radiance;
+    const AdaptiveKind *kind = can ? s->adaptive : &adaptive_none;
     Opts o;
 
     if (kind == s->adaptive)

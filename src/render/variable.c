@@ -1,5 +1,5 @@
-/* variable.c -- the policy `variable`: the number of samples of a pixel follows the deviation seen in
- * the pixels just before it.
+/* variable.c -- the policy `variable`: the number of samples of a pixel follows the deviation seen
+ * in the pixels just before it.
  *
  * Source      [Cline07 5.5 (5.8), (5.9)]; deviations are those of single samples.
  * Rule        s_p, the deviation to be expected, is a running average over the pixels on the way:
@@ -14,12 +14,13 @@
  *             count N is doubled, and the rule used again on what has been taken so far, until the
  *             picture's error is low enough.
  * Truth       Unbiased: a count looks at pixels before it on the way, and these at pixels before
- *             them; none looks at itself. (Where N is doubled: but for its end, as with `none`.) With
- *             `rerender`, pixels whose deviation is above s_p + s_ave are thrown away and done
+ *             them; none looks at itself. (Where N is doubled: but for its end, as with `none`.)
+ *             With `rerender`, pixels whose deviation is above s_p + s_ave are thrown away and done
  *             again with s_p = s_pixel. That is biased: it throws away what is bright more often
- *             than what is dark. With 2 % of the samples 50, the others 0.5, at N = 16 the mean comes
- *             out 28 % low.
- * Looks       Counts follow the way: they have streaks along the rows, and each band starts anew. */
+ *             than what is dark. With 2 % of the samples 50, the others 0.5, at N = 16 the mean
+ *             comes out 28 % low.
+ * Looks       Counts follow the way: they have streaks along the rows, and each band starts anew.
+ *             */
 #include "render/adaptive.h"
 
 enum { CHUNK = 32 };                    /* pixels of the pilot in a unit */
@@ -147,7 +148,7 @@ static const OptDef options[] = {
 };
 
 const AdaptiveKind adaptive_variable = {
-    .info = { "variable", "Cline07 5.5", "by the deviation of the pixels before, at least half of the "
-              "mean; two samples or more", options },
+    .info = { "variable", "Cline07 5.5", "by the deviation of the pixels before; half of the mean "
+              "or more, at least two", options },
     .truth = UNBIASED, .start = start, .plan = plan, .units = units, .run = run
 };
