@@ -57,7 +57,7 @@ help:
 	@echo "make demo        render cornell.png         make bench    speed and memory tables"
 	@echo "make gallery     every scene, on one sheet; PROBES=dir: under dir/probe.hdr, SHEET=x.png"
 	@echo "make check-long  the slower proofs          make check T=accel   some of the tests"
-	@echo "make bench T=memory|speed|arity     tables of [Cline07], also of your own: MODELS=dir make ..."
+	@echo "make bench T=memory|speed|arity|adaptive  tables of [Cline07], also of your own: MODELS=dir make ..."
 	@echo "make V=debug|asan|tsan|plain  other builds, in build/V"
 	@echo "make PORTABLE=1  without tuning to this processor"
 	@echo "make install PREFIX=/usr/local, make clean"

@@ -143,6 +143,7 @@ static Stat spikes_mean(Lab *l, const Fair *c)
 
     settings(l, &s, &spikes_kind, c->policy, c->w, c->h);
     s.sampler = kind_find(samplers, c->sampler);
+    opts_default(&s.sampler_opts, s.sampler->info.options);
     s.spp = c->spp;
     s.error = c->error;
     for (int i = 0; i < runs; i++) {
@@ -246,26 +247,26 @@ static double true_error(Lab *l, RenderSettings *s, int runs, double *stated, do
 static const IntegratorKind *const noisy[] = { &edges_kind, &spikes_kind };
 static const double wanted[] = { 0.05, 0.5 };
 
-/* What a picture states is what it has, within a tenth, at powers of two and between them. */
+/* What a picture states is what it has, within a fifth, at powers of two and between them. */
 static void stated_error(void)
 {
-    static const uint32_t counts[] = { 16,32, 64, 100 };
+    static const uint32_t counts[] = { 16, 32, 64, 100 };
+    static const char *const names[] = { "random", "zerotwo" };
     Lab l;
 
     lab_empty(&l);
     for (int k = 0; k < 2; k++)
-        for (int m = 0; samplers[m]; m++)
+        for (int m = 0; m < 2; m++)
             for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
                 double is, stated, count;
                 RenderSettings s;
                 settings(&l, &s, noisy[k], "", 32, 32);
-                s.sampler = samplers[m];
+                s.sampler = kind_find(samplers, names[m]);
                 opts_default(&s.sampler_opts, s.sampler->info.options);
                 s.spp = counts[c];
                 is = true_error(&l, &s, 24, &stated, &count);
                 EXPECT(fabs(stated / is - 1) < 0.2, "%s, %s, %lu samples: states %.4f, has %.4f",
-                       noisy[k]->info.name, samplers[m]->info.name, (unsigned long)counts[c],
-                       stated, is);
+                       noisy[k]->info.name, names[m], (unsigned long)counts[c], stated, is);
             }
     lab_clear(&l);
 }
@@ -285,6 +286,7 @@ static void stops(void)
             RenderSettings s;
             settings(&l, &s, noisy[k], "neighbours", 32, 32);
             s.sampler = kind_find(samplers, names[m]);
+            opts_default(&s.sampler_opts, s.sampler->info.options);
             s.error = wanted[k];
             is = true_error(&l, &s, 24, &stated, &count);
             EXPECT(is / s.error < 1.2 && is / s.error > (m ? 0.67 : 0.8),

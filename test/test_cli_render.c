@@ -250,7 +250,7 @@ static void budget_of_time(void)
 }
 
 /* Where all pixels stop together, the estimate that ends it is the one that is told; it is rounded
- * to four digits there. Else it is foretold by other samples: in a picture of 192 pixels, roughly. */
+ * to four digits there. Else it is foretold by other samples: of 192 pixels, roughly. */
 static void budget_of_error(void)
 {
     double last = 0;
