@@ -259,14 +259,14 @@ static void noise(void)
             }
         EXPECT(film_samples(&f) == (uint64_t)W * H * n, "count of samples");
         if (n < 2)
-            EXPECT(film_error(&f) == INFINITY, "one sample tells nothing of noise");
+            EXPECT(film_error_independent(&f) == INFINITY, "one sample tells nothing of noise");
         else {
             /* The variance, spread^2 / 12, is what is left of squares of 15 in the mean; those of
              * the samples differ from the pixel's by the roundings of a luminance in float. */
             double bound = 0.5 * 15 * 2 * 4 * 6e-8 / (spread * spread / 12);
             want = noise_of(lum, W * H, n);
-            EXPECT(fabs(film_error(&f) - want) <= want * bound, "%g and not %g", film_error(&f),
-                   want);
+            EXPECT(fabs(film_error_independent(&f) - want) <= want * bound, "%g and not %g",
+                   film_error_independent(&f), want);
         }
         film_clear(&f);
     }

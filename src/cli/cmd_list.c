@@ -13,7 +13,8 @@ static const struct { const char *name; const void *list; } sets[] = {
     { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
     { "media", medium_kinds },      { "shapes", shape_readers }, { "cameras", cameras },
-    { "filters", filters },         { "formats", image_formats }, { "tonemaps", tonemaps },
+    { "filters", filters },         { "adaptives", adaptives },
+    { "formats", image_formats },   { "tonemaps", tonemaps },
 };
 enum { SETS = sizeof sets / sizeof sets[0] };
 
@@ -71,7 +72,9 @@ static void print_truth(const void *list, size_t k)
         if (it->misses[0])
             printf("; cannot find: %s", it->misses);
         printf("\n");
-    } else if (list == (const void *)filters) {
+    } else if (list == (const void *)adaptives)
+        printf("    %s\n", truth_names[adaptives[k]->truth]);
+    else if (list == (const void *)filters) {
         const char *fails = filters[k]->fails;
         printf("    %s%s\n", fails[0] ? "fails of Shirley's five conditions: "
                                       : "meets Shirley's five conditions", fails);

@@ -11,7 +11,7 @@
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_ACCEL, ARG_SAMPLER, ARG_FILTER, ARG_SPP, ARG_TIME, ARG_ERROR,
-    ARG_SIZE, ARG_CROP, ARG_THREADS, ARG_SEED, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_QUIET,
+    ARG_ADAPTIVE, ARG_SIZE, ARG_CROP, ARG_THREADS, ARG_SEED, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_QUIET,
     ARG_STRICT, ARG_MAX_PIXELS, ARG_MAX_MEMORY, ARG_MAX_INCLUDE, ARG_MAX_FILE
 };
 
@@ -21,14 +21,15 @@ static const ArgDef args[] = {
     { "--accel", "NAME[:KEY=VALUE,...]", "structure for rays; see list accelerators" },
     { "--sampler", "NAME[:KEY=VALUE,...]", "where samples go; see list samplers" },
     { "--filter", "NAME[:KEY=VALUE,...]", "pixel filter; see list filters" },
-    { "--spp", "N", "samples a pixel" },
+    { "--spp", "N", "samples a pixel; with --error the most, with --adaptive alone the mean" },
     { "--time", "SECONDS", "of rendering, instead of a sample count" },
     { "--error", "X", "stop at this estimated sigma/mu" },
+    { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
     { "--size", "WxH", "of the picture, pixels" },
     { "--crop", "X0,Y0,X1,Y1", "render this window only (half open)" },
     { "--threads", "N", "default: all processors" },
     { "--seed", "N", "of the random numbers; default 0" },
-    { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME" },
+    { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME samples" },
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
     { "--quiet", NULL, "no progress, no summary" },
@@ -112,6 +113,7 @@ static bool set(void *ctx, int k, const char *value)
     case ARG_ACCEL:      q->accel = value; return true;
     case ARG_SAMPLER:    q->sampler = value; return true;
     case ARG_FILTER:     q->filter = value; return true;
+    case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_SIZE:       return arg_size("--size", value, &q->w, &q->h);
     case ARG_CROP:       q->crop_given = true; return arg_window("--crop", value, q->crop);
     case ARG_AOV:        return set_aov(l, value);
@@ -158,7 +160,10 @@ static bool write_layer(const Film *f, int layer, const Aov *aov, const char *pa
 
     if (!format || !image_init(&im, f->w, f->h))
         return false;
-    film_picture(f, layer, &im);
+    if (aov)
+        aov_picture(aov, f, layer - 1, &im);
+    else
+        film_picture(f, layer, &im);
     if (aov && !format->linear)
         aov_display(aov, &im);
     ok = format->write(&im, path, display);

@@ -1,4 +1,20 @@
-/* film.c -- exact sums of samples. See film.h. */
+/* film.c -- exact sums of samples. See film.h.
+ *
+ * Noise       What is the variance V(n) of a pixel's mean of n samples that are not independent? Of
+ *             a block of 2^k samples in two halves with means a, b, the mean is (a + b)/2, and Q(k) =
+ *             (a - b)^2/4 has, as var(a) = var(b) = V(2^(k-1)), the expectation
+ *                 E[Q(k)] = V(2^(k-1)) - V(2^k),
+ *             however the halves depend on each other. V falls to nothing in the end, so V(2^k) is
+ *             the sum of all E[Q] to come. With V ~ n^-a each of those is r = 2^-a of the one
+ *             before: V(2^k) = E[Q(k)] r / (1 - r). For independent samples r = 1/2 and V = E[Q],
+ *             half the squared difference of two halves over two, as [Cline07 (4.15)] has it; along
+ *             edges, in strata, 0.354 and 0.547 Q, [Cline07 4.5.2]. r comes from the picture: Q(k) of
+ *             all pixels over Q(k-2) is r^2. It is kept between these two: where the first few
+ *             samples do better than along edges, what is left does not. The mean of the first half
+ *             is kept when it ends: Q(k) = (mean of all - that)^2.
+ * Few pixels  Q has one degree of freedom a pixel. The plain variance of the samples has more, but is
+ *             too high: it is given the weight of 32 pixels.
+ * Counts      Between powers of two V falls as 1/n. */
 #include "image/film.h"
 
 #include "base/mem.h"
@@ -6,6 +22,8 @@
 #include <string.h>
 
 enum { FRACTION_BITS = 60, MOST_EXPONENT = 60 };
+static const double DECAY_OF_EDGES = 0.35355339;        /* 2^-1.5 */
+enum { PLAIN_WEIGHT = 32 };             /* pixels that the plain variance counts as */
 
 bool exact_add(Exact *e, float v)
 {
@@ -85,8 +103,9 @@ bool film_init(Film *f, uint32_t full_w, uint32_t full_h, const uint32_t crop[4]
         return err_memory(SIZE_MAX);
     f->sums = MEM_ARRAY(Exact, n * 3 * (size_t)layers);
     f->counts = MEM_ARRAY(uint32_t, n);
+    f->marks = MEM_ARRAY(float, n * FILM_MARKS);
     f->tiles = MEM_ARRAY(TileStats, film_ntiles(f));
-    if (f->sums && f->counts && f->tiles)
+    if (f->sums && f->counts && f->marks && f->tiles)
         return true;
     film_clear(f);
     return false;
@@ -96,6 +115,7 @@ void film_clear(Film *f)
 {
     mem_free(f->sums);
     mem_free(f->counts);
+    mem_free(f->marks);
     mem_free(f->tiles);
     memset(f, 0, sizeof *f);
 }
@@ -116,7 +136,7 @@ static bool fits(float v)
     return (int)(bits >> 23 & 255) - 150 <= MOST_EXPONENT - 24;
 }
 
-static bool good(Rgb c) { return fits(c.r) && fits(c.g) && fits(c.b); }
+bool film_takes(Rgb c) { return fits(c.r) && fits(c.g) && fits(c.b); }
 
 static void add_layer(Exact *sum, Rgb c)
 {
@@ -125,28 +145,55 @@ static void add_layer(Exact *sum, Rgb c)
     exact_add(&sum[2], c.b);
 }
 
+static double mean_luminance(const Film *f, size_t pixel)
+{
+    const Exact *s = f->sums + pixel * 3;
+    double c = f->counts[pixel] ? f->counts[pixel] : 1;
+    return (0.299 * exact_value(&s[0]) + 0.587 * exact_value(&s[1]) +
+            0.114 * exact_value(&s[2])) / c;
+}
+
+INLINE bool power_of_two(uint32_t n) { return (n & (n - 1)) == 0; }
+
+/* Floor of the binary logarithm, n > 0. */
+static int log2_of(uint32_t n)
+{
+    int k = 0;
+    while (n >>= 1)
+        k++;
+    return k;
+}
+
+static TileStats *tile_of(const Film *f, uint32_t x, uint32_t y)
+{
+    return &f->tiles[(y - f->y0) / FILM_TILE * f->tiles_x + (x - f->x0) / FILM_TILE];
+}
+
 void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values)
 {
     size_t pixel = film_pixel(f, x, y), n = (size_t)f->w * f->h;
-    TileStats *t = &f->tiles[(y - f->y0) / FILM_TILE * f->tiles_x + (x - f->x0) / FILM_TILE];
+    TileStats *t = tile_of(f, x, y);
     bool all_good = true;
     double lum;
 
     for (int k = 0; k < f->layers; k++) {
-        if (LIKELY(good(values[k])))
+        if (LIKELY(film_takes(values[k])))
             add_layer(f->sums + ((size_t)k * n + pixel) * 3, values[k]);
         else
             all_good = false;
     }
     f->counts[pixel]++;
     t->samples++;
+    if (UNLIKELY(power_of_two(f->counts[pixel])))
+        f->marks[pixel * FILM_MARKS + (size_t)(log2_of(f->counts[pixel]) % FILM_MARKS)] =
+            (float)mean_luminance(f, pixel);
     if (UNLIKELY(!all_good)) {
         if (!t->refused++) {
             t->bad_x = x;
             t->bad_y = y;
             t->bad_index = index;
         }
-        if (!good(values[0]))
+        if (!film_takes(values[0]))
             return;
     }
     lum = rgb_lum(values[0]);
@@ -190,28 +237,100 @@ uint64_t film_refused(const Film *f, uint32_t *x, uint32_t *y, uint32_t *index)
     return n;
 }
 
-/* Mean over pixels of (variance within the pixel / samples of the pixel), by luminance:
- * sum of squares less n times the squared mean is (n - 1) times the variance. */
+void film_drop(Film *f, uint32_t x, uint32_t y, double sum, double squares)
+{
+    size_t pixel = film_pixel(f, x, y), n = (size_t)f->w * f->h;
+    TileStats *t = tile_of(f, x, y);
+
+    for (int k = 0; k < f->layers; k++)
+        memset(f->sums + ((size_t)k * n + pixel) * 3, 0, 3 * sizeof *f->sums);
+    t->samples -= f->counts[pixel];
+    t->sum -= sum;
+    t->squares -= squares;
+    f->counts[pixel] = 0;
+}
+
+void film_counts(const Film *f, Image *im)
+{
+    for (size_t i = 0; i < (size_t)f->w * f->h; i++)
+        im->pixels[i] = rgb_all((float)f->counts[i]);
+}
+
+/* ---- noise ---- */
+
+/* Variance of the pixels' means, summed, from the spread of the samples within pixels: of each tile
+ * the pooled variance of a sample, [squares - n mean^2] / [n - 1], over the samples of each pixel.
+ * Adds the means up in *mean. False: a pixel has less than two samples. */
+static bool plain_variance(const Film *f, double *variance, double *mean)
+{
+    *variance = *mean = 0;
+    for (uint32_t k = 0; k < film_ntiles(f); k++) {
+        uint32_t x0, y0, x1, y1;
+        double within = f->tiles[k].squares, degrees = 0, shares = 0;
+        film_tile(f, k, &x0, &y0, &x1, &y1);
+        for (uint32_t y = y0; y < y1; y++)
+            for (uint32_t x = x0; x < x1; x++) {
+                size_t i = film_pixel(f, x, y);
+                double c = f->counts[i], m = mean_luminance(f, i);
+                if (c < 2)
+                    return false;
+                within -= m * m * c;
+                degrees += c - 1;
+                shares += 1 / c;
+                *mean += m;
+            }
+        *variance += within > 0 ? within / degrees * shares : 0;
+    }
+    return true;
+}
+
+double film_decay(double last, double before)
+{
+    double r = before > 0 ? sqrt(last / before) : 0.5;
+    return r < DECAY_OF_EDGES ? DECAY_OF_EDGES : r > 0.5 ? 0.5 : r;
+}
+
+/* Q of the pixel's block of 2^k samples. */
+static double block_q(const Film *f, size_t pixel, int k)
+{
+    const float *m = f->marks + pixel * FILM_MARKS;
+    double d = (double)m[k % FILM_MARKS] - (double)m[(k - 1) % FILM_MARKS];
+    return d * d;
+}
+
+/* The same from the means of blocks; every pixel has two samples. */
+static double block_variance(const Film *f)
+{
+    double sum = 0, last = 0, before = 0;
+
+    for (size_t i = 0; i < (size_t)f->w * f->h; i++) {
+        int k = log2_of(f->counts[i]);
+        double q = block_q(f, i, k);
+        sum += q * (double)((uint32_t)1 << k) / f->counts[i];
+        if (k >= 3) {
+            last += q;
+            before += block_q(f, i, k - 2);
+        }
+    }
+    return sum * film_left(film_decay(last, before));
+}
+
+double film_error_independent(const Film *f)
+{
+    double variance, mean, pixels = (double)f->w * f->h;
+
+    if (!plain_variance(f, &variance, &mean))
+        return INFINITY;
+    return mean > 0 && variance > 0 ? sqrt(variance * pixels) / mean : 0;
+}
+
 double film_error(const Film *f)
 {
-    double within = 0, mean = 0, pixels = (double)f->w * f->h;
-    uint64_t samples = film_samples(f);
-    double n = (double)samples / pixels;
+    double plain, mean, blocks, pixels = (double)f->w * f->h;
 
-    if (n < 2)
+    if (!plain_variance(f, &plain, &mean))
         return INFINITY;
-    for (uint32_t k = 0; k < film_ntiles(f); k++)
-        within += f->tiles[k].squares;
-    for (size_t i = 0; i < (size_t)f->w * f->h; i++) {
-        const Exact *s = f->sums + i * 3;
-        double c = f->counts[i] ? f->counts[i] : 1;
-        double m = (0.299 * exact_value(&s[0]) + 0.587 * exact_value(&s[1]) +
-                    0.114 * exact_value(&s[2])) / c;
-        within -= m * m * f->counts[i];
-        mean += m;
-    }
-    mean /= pixels;
-    if (!(mean > 0) || !(within > 0))
-        return 0;
-    return sqrt(within / ((n - 1) * pixels) / n) / mean;
+    blocks = block_variance(f);
+    plain = (blocks * pixels + plain * PLAIN_WEIGHT) / (pixels + PLAIN_WEIGHT);
+    return mean > 0 && plain > 0 ? sqrt(plain * pixels) / mean : 0;
 }

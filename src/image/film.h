@@ -17,6 +17,7 @@ void   exact_join(Exact *e, const Exact *other);
 double exact_value(const Exact *e);
 
 enum { FILM_TILE = 16 };                /* side of a tile, pixels */
+enum { FILM_MARKS = 4 };                /* blocks of samples that are remembered */
 
 /* Statistics of a tile's samples, by luminance. Added to by one thread at a time. */
 typedef struct {
@@ -33,6 +34,8 @@ typedef struct {
     int      layers;
     Exact   *sums;                      /* owned: [layer][pixel][3] */
     uint32_t *counts;                   /* owned: samples of each pixel */
+    float   *marks;                     /* owned: [pixel][FILM_MARKS]; entry k % FILM_MARKS is the
+                                         * luminance of the mean of the pixel's first 2^k samples */
     TileStats *tiles;                   /* owned */
 } Film;
 
@@ -48,6 +51,8 @@ INLINE size_t film_pixel(const Film *f, uint32_t x, uint32_t y)
     return (size_t)(y - f->y0) * f->w + (x - f->x0);
 }
 
+/* Whether it would take that: finite and not too large. */
+bool film_takes(Rgb c);
 /* One camera sample of pixel (x, y): values[layer]. A sample with any bad value counts as black in
  * the layer that has it, and is recorded. index: the sample's number, for messages. */
 void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values);
@@ -55,9 +60,23 @@ void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values
 void film_picture(const Film *f, int layer, Image *im);         /* im has the window's size */
 uint64_t film_samples(const Film *f);
 uint64_t film_refused(const Film *f, uint32_t *x, uint32_t *y, uint32_t *index);
-/* Estimated sigma/mu of the picture's noise, [Cline07 (4.13)], from the spread of the samples
- * within pixels: exact for independent samples, too high for stratified ones. Infinity before any
- * pixel has two. */
+/* Takes back all samples of pixel (x, y), whose luminances add up to sum, their squares to squares:
+ * for those who render a pixel again. */
+void film_drop(Film *f, uint32_t x, uint32_t y, double sum, double squares);
+/* Samples of each pixel, as a grey picture of the window's size. */
+void film_counts(const Film *f, Image *im);
+
+/* Estimated sigma/mu of the picture's noise, [Cline07 (4.13)]. Infinity before every pixel has two
+ * samples. The first is for every sampler and any counts: from how far the means of whole blocks of
+ * 2^k samples lie apart, and how fast that falls with k (see film.c). The second is for independent
+ * samples, of which it is the sharper estimate; of stratified ones it is too high. */
 double film_error(const Film *f);
+double film_error_independent(const Film *f);
+
+/* How variance falls from block to block twice as long: the share r that is left, and the variance of
+ * a block's mean as a multiple of Q. last, before: sums over the same pixels of Q for blocks of 2^k
+ * and of 2^(k-2) samples; 0, 0: nobody knows. */
+double film_decay(double last, double before);
+INLINE double film_left(double r) { return r / (1 - r); }
 
 #endif

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const char *const names[] = { "normal", "depth", "albedo", "length", "strategy" };
+static const char *const names[] = { "normal", "depth", "albedo", "length", "strategy", "samples" };
 enum { NAMES = sizeof names / sizeof names[0] };
 
 static bool parse_which(Aov *a, const char *arg, size_t n)
@@ -33,7 +33,7 @@ bool aov_parse(Aov *a, const char *text)
 
     if (!text[all] || !text[all + 1])
         return err_usage("--aov takes NAME=FILE, with NAME one of normal depth albedo length:N "
-                         "strategy:NAME");
+                         "strategy:NAME samples");
     a->file = text + all + 1;
     if (!image_format_for_writing(a->file))
         return false;
@@ -54,7 +54,7 @@ bool aov_parse(Aov *a, const char *text)
         word[n] = 0;
         near = nearest_name(word, names, NAMES);
         return err_usage("unknown --aov '%s'%s%s%s (have: normal depth albedo length:N "
-                         "strategy:NAME)", word, near ? ", did you mean '" : "", near ? near : "",
+                         "strategy:NAME samples)", word, near ? ", did you mean '" : "", near ? near : "",
                          near ? "'?" : "");
     }
 }
@@ -70,7 +70,7 @@ bool aov_needs_tally(const Aov *a, int n)
 bool aov_needs_hit(const Aov *a, int n)
 {
     for (int i = 0; i < n; i++)
-        if (a[i].kind != AOV_LENGTH && a[i].kind != AOV_STRATEGY)
+        if (a[i].kind != AOV_LENGTH && a[i].kind != AOV_STRATEGY && a[i].kind != AOV_SAMPLES)
             return true;
     return false;
 }
@@ -109,23 +109,33 @@ void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values)
         case AOV_DEPTH:    if (hit) values[i] = rgb_all(h.t); break;
         case AOV_ALBEDO:   if (hit) values[i] = albedo_at(t, r, &s); break;
         case AOV_LENGTH:   values[i] = t->tally->length[a[i].which]; break;
+        case AOV_SAMPLES:  break;
         case AOV_STRATEGY: values[i] = t->tally->strategy[a[i].which]; break;
         }
     }
 }
 
+void aov_picture(const Aov *a, const Film *f, int k, Image *im)
+{
+    if (a->kind == AOV_SAMPLES)
+        film_counts(f, im);
+    else
+        film_picture(f, 1 + k, im);
+}
+
 void aov_display(const Aov *a, Image *im)
 {
     size_t n = (size_t)im->w * im->h;
+    bool scaled = a->kind == AOV_DEPTH || a->kind == AOV_SAMPLES;
     float most = 0.0f;
 
-    for (size_t i = 0; i < n && a->kind == AOV_DEPTH; i++)
+    for (size_t i = 0; i < n && scaled; i++)
         most = f_max(most, im->pixels[i].r);
     for (size_t i = 0; i < n; i++) {
         Rgb *p = &im->pixels[i];
         if (a->kind == AOV_NORMAL && !rgb_black(*p))
             *p = rgb(0.5f + 0.5f * p->r, 0.5f + 0.5f * p->g, 0.5f + 0.5f * p->b);
-        else if (a->kind == AOV_DEPTH && most > 0.0f)
+        else if (scaled && most > 0.0f)
             *p = rgb_scale(*p, 1.0f / most);
     }
 }

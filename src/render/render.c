@@ -26,7 +26,11 @@ typedef struct {
     float        time;                  /* else: of all rays */
     Tracer      *tracers;               /* one a worker */
     Tally       *tallies;               /* one a worker; NULL: not wanted */
+    Adaptive     adaptive;
+    bool         adapts;                /* it says what is done; else all pixels get the same */
     uint32_t     first, count;          /* samples of this pass */
+    double       so_far, coming;        /* samples a pixel: before this pass, and in it */
+    double       expected;              /* in all, as far as one can tell; 0: not */
     uint32_t     pass;
     int          phase;
     uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
@@ -38,8 +42,10 @@ typedef struct {
 
 /* ---- units of camera samples ---- */
 
-static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t index)
+/* keep: it goes on the film. Returns its luminance, 0 of what is no number. */
+static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index, bool keep)
 {
+    Job *j = ctx;
     const RenderSettings *s = j->settings;
     const Camera *c = j->scene->camera;
     Rgb values[1 + AOVS_MAX];
@@ -61,7 +67,9 @@ static void camera_sample(Job *j, Tracer *t, uint32_t x, uint32_t y, uint32_t in
         aov_values(s->aovs, s->naovs, &r, t, values + 1);
     for (int k = 0; weight != 1.0f && k <= s->naovs; k++)
         values[k] = rgb_scale(values[k], weight);
-    film_add(j->film, x, y, index, values);
+    if (keep)
+        film_add(j->film, x, y, index, values);
+    return film_takes(values[0]) ? rgb_lum(values[0]) : 0.0f;
 }
 
 static void camera_tile(Job *j, Tracer *t, uint32_t tile)
@@ -73,8 +81,15 @@ static void camera_tile(Job *j, Tracer *t, uint32_t tile)
         for (uint32_t x = x0; x < x1; x++) {
             sampler_pixel(&t->sampler, x, y);
             for (uint32_t i = 0; i < j->count; i++)
-                camera_sample(j, t, x, y, j->first + i);
+                camera_sample(j, t, x, y, j->first + i, true);
         }
+}
+
+static bool is_late(void *ctx)
+{
+    const Job *j = ctx;
+    const RenderSettings *s = j->settings;
+    return (s->stop && *s->stop) || (s->seconds > 0 && clock_wall() - j->start >= s->seconds);
 }
 
 /* ---- the queue's side ---- */
@@ -84,7 +99,10 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
     Job *j = ctx;
     Tracer *t = &j->tracers[worker];
 
-    if (j->integrator->kind->radiance)
+    if (j->adapts) {
+        Taker taker = { camera_sample, is_late, j, t };
+        adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
+    } else if (j->integrator->kind->radiance)
         camera_tile(j, t, (uint32_t)unit);
     else
         j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
@@ -96,8 +114,8 @@ static double fraction_done(const Job *j, double pass_done)
     const RenderSettings *s = j->settings;
     double f = 0, g;
 
-    if (s->spp)
-        f = (j->first + j->count * pass_done) / s->spp;
+    if (j->expected > 0)
+        f = (j->so_far + j->coming * pass_done) / j->expected;
     if (s->seconds > 0) {
         g = (clock_wall() - j->start) / s->seconds;
         f = g > f ? g : f;
@@ -108,14 +126,13 @@ static double fraction_done(const Job *j, double pass_done)
 static bool after_unit(void *ctx, uint64_t done, int worker)
 {
     Job *j = ctx;
-    const RenderSettings *s = j->settings;
     double pass_done = (double)done / (double)j->phase_units;
 
     j->rays += j->tracers[worker].rays - j->rays_seen[worker];
     j->rays_seen[worker] = j->tracers[worker].rays;
-    progress_show(&j->progress, fraction_done(j, pass_done), j->first + j->count * pass_done,
+    progress_show(&j->progress, fraction_done(j, pass_done), j->so_far + j->coming * pass_done,
                   j->rays);
-    if ((s->stop && *s->stop) || (s->seconds > 0 && clock_wall() - j->start >= s->seconds))
+    if (is_late(j))
         j->ended = true;
     return !j->ended;
 }
@@ -125,9 +142,9 @@ static void run_phase(Job *j)
     Work w = { 0, run_unit, after_unit, NULL };
 
     w.ctx = j;
-    w.units = j->integrator->kind->radiance
-                  ? film_ntiles(j->film)
-                  : j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
+    w.units = j->adapts ? adaptive_units(&j->adaptive)
+            : j->integrator->kind->radiance ? film_ntiles(j->film)
+            : j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
     j->phase_units = w.units;
     work_run(&w, j->settings->threads);
 }
@@ -140,21 +157,51 @@ static uint32_t next_count(const Job *j)
     return n < spp - j->first ? n : spp - j->first;
 }
 
+/* All pixels alike: at an error, of which only the least number of samples has to be sure, the
+ * picture as a whole stops. */
+static bool good_enough(Job *j)
+{
+    const RenderSettings *s = j->settings;
+    double e;
+
+    if (!(s->error > 0) || j->first < j->adaptive.least)
+        return false;
+    e = film_error(j->film);
+    j->expected = j->first * (e / s->error) * (e / s->error);   /* as of independent samples */
+    if (s->spp && j->expected > s->spp)
+        j->expected = s->spp;
+    return e <= s->error;
+}
+
 static void run_passes(Job *j)
 {
     const RenderSettings *s = j->settings;
     int phases = j->integrator->kind->radiance ? 1 : j->integrator->kind->phases;
 
+    j->expected = s->spp;
     while (!j->ended && (s->spp == 0 || j->first < s->spp)) {
         j->count = next_count(j);
+        j->so_far = j->first;
+        j->coming = j->count;
         for (j->phase = 0; j->phase < phases && !j->ended; j->phase++)
             run_phase(j);
         j->first += j->count;
         j->pass++;
-        if (s->error > 0 && film_error(j->film) <= s->error)
+        if (good_enough(j) || j->first == UINT32_MAX)
             break;
-        if (j->first == UINT32_MAX)
-            break;
+    }
+}
+
+/* The policy says what each pixel shall have. */
+static void run_adaptive(Job *j)
+{
+    Adaptive *a = &j->adaptive;
+
+    while (!j->ended && adaptive_next(a)) {
+        j->so_far = (double)adaptive_taken(a) / a->n;
+        j->coming = adaptive_coming(a) / a->n;
+        j->expected = a->expected / a->n;
+        run_phase(j);
     }
 }
 
@@ -168,6 +215,20 @@ static float spread_of(const RenderSettings *s, const Camera *c)
     V2 middle = { 0.5f, 0.5f };
     return v_len(v_sub(c->kind->ray(c, beside, middle, 0.0f).d,
                        c->kind->ray(c, at, middle, 0.0f).d));
+}
+
+static bool adapt(Job *j)
+{
+    const RenderSettings *s = j->settings;
+    const AdaptiveKind *kind = s->adaptive && s->integrator->radiance ? s->adaptive : &adaptive_none;
+    Opts o;
+
+    if (kind == s->adaptive)
+        o = s->adaptive_opts;
+    else
+        opts_default(&o, kind->info.options);
+    j->adapts = kind->plan != NULL;
+    return adaptive_init(&j->adaptive, kind, &o, j->film, s->spp, s->error, s->seed);
 }
 
 static bool job_init(Job *j, uint32_t *spp)
@@ -197,13 +258,14 @@ static bool job_init(Job *j, uint32_t *spp)
     if (!j->integrator)
         return false;
     j->integrator->kind = s->integrator;
-    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs);
+    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) && adapt(j);
 }
 
 static void job_clear(Job *j)
 {
     if (j->integrator)
         j->integrator->kind->close(j->integrator);
+    adaptive_clear(&j->adaptive);
     mem_free(j->tracers);
     mem_free(j->tallies);
     mem_free(j->rays_seen);
@@ -256,11 +318,14 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
         progress_start(&j.progress);
         cpu = clock_cpu();
         j.start = clock_wall();
-        run_passes(&j);
+        if (j.adapts)
+            run_adaptive(&j);
+        else
+            run_passes(&j);
         report->seconds = clock_wall() - j.start;
         report->cpu_seconds = clock_cpu() - cpu;
         progress_end(&j.progress);
-        report->samples = film_samples(film);
+        report->samples = j.adapts ? adaptive_taken(&j.adaptive) : film_samples(film);
         report->rays = j.rays;
         report->interrupted = s.stop && *s.stop;
         ok = report_refused(film);

@@ -5,26 +5,29 @@
 
 #include "image/filter.h"
 #include "integrators/integrator.h"
+#include "render/adaptive.h"
 #include "scenefile/scenefile.h"
 
 #include <signal.h>
 
 /* ---- extra pictures of one render ---- */
 
-typedef enum { AOV_NORMAL, AOV_DEPTH, AOV_ALBEDO, AOV_LENGTH, AOV_STRATEGY } AovKind;
+typedef enum { AOV_NORMAL, AOV_DEPTH, AOV_ALBEDO, AOV_LENGTH, AOV_STRATEGY, AOV_SAMPLES } AovKind;
 typedef struct {
     AovKind kind;
     int     which;              /* LENGTH: edges; STRATEGY: which */
     const char *file;           /* borrowed */
 } Aov;
 
-/* From "normal=FILE", "depth=FILE", "albedo=FILE", "length:N=FILE", "strategy:NAME=FILE". `text`
- * is borrowed for the file's name. False: usage error reported. */
+/* From "normal=FILE", "depth=FILE", "albedo=FILE", "length:N=FILE", "strategy:NAME=FILE",
+ * "samples=FILE". `text` is borrowed for the file's name. False: usage error reported. */
 bool aov_parse(Aov *a, const char *text);
 bool aov_needs_tally(const Aov *a, int n);
 bool aov_needs_hit(const Aov *a, int n);
 /* Values of n pictures for one camera sample. */
 void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values);
+/* Picture k of a film: film_picture(f, 1 + k), but for the counts of samples. */
+void aov_picture(const Aov *a, const Film *f, int k, Image *im);
 /* Turns a picture into what a display format can show (normals to colours, depths to greys). */
 void aov_display(const Aov *a, Image *im);
 
@@ -37,8 +40,10 @@ typedef struct {
     const SamplerKind    *sampler;      Opts sampler_opts;
     const FilterKind     *filter;       Opts filter_opts;
     const AccelKind      *accel;        Opts accel_opts;
+    const AdaptiveKind   *adaptive;     Opts adaptive_opts;     /* NULL: all pixels alike */
     uint32_t w, h, crop[4];             /* picture; window x0 y0 x1 y1, half open */
-    uint32_t spp;                       /* samples a pixel; 0: until another budget ends it */
+    uint32_t spp;                       /* samples a pixel, where it adapts their mean or, with an
+                                         * error to reach, the most; 0: another budget ends it */
     double   seconds;                   /* of rendering; 0: no limit */
     double   error;                     /* stop at this estimated sigma/mu; 0: do not */
     int      threads;
@@ -50,7 +55,7 @@ typedef struct {
 
 /* What the command line asked for, as text; NULL or 0 where it said nothing. */
 typedef struct {
-    const char *integrator, *sampler, *filter, *accel;
+    const char *integrator, *sampler, *filter, *accel, *adaptive;
     const char *aovs[AOVS_MAX];
     int      naovs;
     uint32_t w, h, crop[4];

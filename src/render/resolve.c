@@ -152,6 +152,32 @@ static bool resolve_seed(RenderSettings *s, const RenderRequest *q, SceneFile *f
     return true;
 }
 
+/* Without a word about it: with an error to reach the default, else all pixels alike. Not every
+ * integrator has pixels that can stop. */
+static bool resolve_adaptive(RenderSettings *s, const RenderRequest *q, SceneFile *f)
+{
+    bool can = s->integrator->radiance != NULL;
+
+    if (q->adaptive)
+        s->adaptive = kind_from_text(adaptives, "adaptive policy", q->adaptive, &s->adaptive_opts,
+                                     &f->arena);
+    else {
+        s->adaptive = q->error > 0 && can ? kind_find(adaptives, ADAPTIVE_DEFAULT) : &adaptive_none;
+        opts_default(&s->adaptive_opts, s->adaptive->info.options);
+    }
+    if (!s->adaptive)
+        return false;
+    if (s->adaptive->plan && !can) {
+        if (!warn_at((Place){ NULL, 0, 0 }, "--adaptive %s wants samples pixel by pixel, %s has "
+                     "passes over all; the whole picture stops", s->adaptive->info.name,
+                     s->integrator->info.name))
+            return false;
+        s->adaptive = &adaptive_none;
+        opts_default(&s->adaptive_opts, s->adaptive->info.options);
+    }
+    return true;
+}
+
 bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 {
     memset(s, 0, sizeof *s);
@@ -172,7 +198,7 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
         return false;
     s->accel = resolve(accels, "accelerator", q->accel, &f->accelerator, ACCEL_DEFAULT,
                        &s->accel_opts, &f->arena);
-    if (!s->accel || !resolve_film(s, q, f))
+    if (!s->accel || !resolve_adaptive(s, q, f) || !resolve_film(s, q, f))
         return false;
     for (; s->naovs < q->naovs; s->naovs++)
         if (!aov_parse(&s->aovs[s->naovs], q->aovs[s->naovs]))
