@@ -73,7 +73,8 @@ static void students_t(void)
     EXPECT(student_p(0, 7) == 1 && student_p(INFINITY, 7) == 0 && student_p(1e200, 7) == 0, "ends");
     for (int i = 0; i < 5; i++)
         EXPECT(near(student_t(printed[i].p, printed[i].dof), printed[i].t, 1e-10),
-               "%g of %g: %.12g", printed[i].p, printed[i].dof, student_t(printed[i].p, printed[i].dof));
+               "%g of %g: %.12g", printed[i].p, printed[i].dof,
+               student_t(printed[i].p, printed[i].dof));
 }
 
 static void families(void)

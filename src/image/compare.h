@@ -92,7 +92,8 @@ typedef struct {
     uint64_t pixels;                    /* compared; 0: the errors are infinite */
     double   sigma;                     /* of either image */
     double   sigma_over_mu;             /* over the mean of both */
-    double   relmse;                    /* of either, over (m^2 + 0.01), m: the mean of both */
+    double   relmse;                    /* of either, over (m^2 + 0.01), m the mean of both: far too
+                                         * small if the noise is as large as the picture */
     double   mean_a, mean_b;            /* of |a|, |b| */
 } ImageNoise;
 
