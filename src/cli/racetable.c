@@ -18,23 +18,36 @@ static double ratio(const Race *race, const RacePoint *p)
 
 /* ---- for people ---- */
 
+/* What continues a letter of UTF-8 takes no column of its own. */
+static int columns(const char *s)
+{
+    int n = 0;
+    for (; *s; s++)
+        n += ((unsigned char)*s & 0xC0) != 0x80;
+    return n;
+}
+
 static int name_width(const Race *race)
 {
     int width = NAME_LEAST;
     for (int i = 0; i < race->n; i++) {
-        int n = (int)strlen(race->result[i].label);
+        int n = columns(race->result[i].label);
         width = n > width ? n < NAME_MOST ? n : NAME_MOST : width;
     }
     return width;
 }
 
-/* A name that is too long gets a line of its own. */
+/* A name that is too long gets a line of its own. Control characters must not reach a terminal. */
 static void print_name(const char *name, int width)
 {
-    if ((int)strlen(name) > width)
-        printf("%s\n%*s", name, width, "");
+    int n = columns(name);
+
+    for (; *name; name++)
+        putchar((unsigned char)*name < 32 || *name == 127 ? '?' : *name);
+    if (n > width)
+        printf("\n%*s", width, "");
     else
-        printf("%-*s", width, name);
+        printf("%*s", width - n, "");
 }
 
 /* Digits after the point that leave three to the least of the figures. */
@@ -118,7 +131,8 @@ static void print_reach(const Race *race, const RaceResult *r)
 
     if (r->reach > 0) {
         snprintf(text, sizeof text, "%s%.3f", sign, r->reach);
-        snprintf(of_first, sizeof of_first, "%s%.2f", sign, r->reach / first->reach);
+        if (first->reach > 0)
+            snprintf(of_first, sizeof of_first, "%s%.2f", sign, r->reach / first->reach);
     }
     printf("%14s%10s\n", text, of_first);
 }

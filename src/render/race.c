@@ -130,6 +130,17 @@ static bool save(const Runner *r, const Film *film, double seconds)
 
 /* ---- one render ---- */
 
+static bool save_due(Runner *r, const Film *film, const RenderReport *so_far)
+{
+    const RaceOrder *o = r->order;
+
+    for (; r->saves && r->next_save < o->nautosave && so_far->seconds >= o->autosave[r->next_save];
+         r->next_save++)
+        if (!save(r, film, o->autosave[r->next_save]))
+            r->failed = true;
+    return !r->failed;
+}
+
 static bool look(void *ctx, const Film *film, const RenderReport *so_far)
 {
     Runner *r = ctx;
@@ -141,11 +152,7 @@ static bool look(void *ctx, const Film *film, const RenderReport *so_far)
         r->next++;
     if (r->next > before && !measure(r, r->next - 1, film, so_far))
         r->failed = true;
-    for (; r->saves && r->next_save < o->nautosave && so_far->seconds >= o->autosave[r->next_save];
-         r->next_save++)
-        if (!save(r, film, o->autosave[r->next_save]))
-            r->failed = true;
-    return !r->failed && !(by_samples(o) && r->next == n);
+    return save_due(r, film, so_far) && !r->failed && !(by_samples(o) && r->next == n);
 }
 
 /* Where the last picture of a render counts: at the checkpoint that it was on its way to. */
@@ -209,24 +216,34 @@ static bool run_once(Runner *r, uint64_t seed)
     return ok;
 }
 
-/* A render for each checkpoint. */
+static bool look_to_save(void *ctx, const Film *film, const RenderReport *so_far)
+{
+    return save_due(ctx, film, so_far);
+}
+
+/* A render for each checkpoint; the pictures are those of the last. */
 static bool run_fresh(Runner *r, uint64_t seed)
 {
     const RaceOrder *o = r->order;
+    RenderWatch w = { r, look_to_save, NULL, o->autosave, 0, o->nautosave };
     RenderReport report;
     Film film;
 
+    r->next_save = 0;
     for (int k = 0; k < o->nspp && !r->race->interrupted; k++) {
         RenderSettings s = r->base;
-        bool ok;
+        bool ok, last = k == o->nspp - 1;
         use_method(&s, &o->method[r->method]);
         s.seed = seed;
         s.spp = o->spp[k];
         s.seconds = o->nseconds ? o->seconds[o->nseconds - 1] : 0;
+        r->saves = !r->second && o->noutputs && last;
+        s.watch = r->saves ? &w : NULL;
         if (!render(r->scene, &s, &film, &report))
             return false;
-        ok = report.interrupted || measure(r, k, &film, &report);
-        if (ok && !r->second && (k == o->nspp - 1 || report.interrupted))
+        ok = !r->failed &&
+             (report.interrupted || !film_whole(&film) || measure(r, k, &film, &report));
+        if (ok && !r->second && (last || report.interrupted))
             ok = save(r, &film, -1);
         r->race->interrupted = report.interrupted;
         film_clear(&film);
@@ -323,67 +340,7 @@ static bool prepare_reference(Runner *r)
     return ok;
 }
 
-/* ---- samplers that plan ---- */
-
-/* Whether the two give other numbers in some samples of some pixels. */
-static bool samplers_differ(Sampler *a, Sampler *b, uint32_t samples)
-{
-    for (uint32_t pixel = 0; pixel < 3; pixel++) {
-        sampler_pixel(a, 5 * pixel, pixel);
-        sampler_pixel(b, 5 * pixel, pixel);
-        for (uint32_t i = 0; i < samples; i++) {
-            sampler_start(a, i);
-            sampler_start(b, i);
-            for (int d = 0; d < 2 * DECIDE_KINDS; d++) {
-                V2 u = sample_2d(a, (Decision)d), v = sample_2d(b, (Decision)d);
-                if (u.x != v.x || u.y != v.y ||
-                    sample_1d(a, (Decision)d) != sample_1d(b, (Decision)d))
-                    return true;
-            }
-        }
-    }
-    return false;
-}
-
-bool race_sampler_plans(const RaceMethod *m, uint32_t few, uint32_t many, bool *plans)
-{
-    Sampler a, b;
-
-    *plans = false;
-    if (!sampler_init(&a, m->sampler, &m->sampler_opts, 1, &few) ||
-        !sampler_init(&b, m->sampler, &m->sampler_opts, 1, &many))
-        return false;
-    *plans = samplers_differ(&a, &b, few < 16 ? few : 16);
-    return true;
-}
-
 /* ---- methods ---- */
-
-int race_fit_points(const RaceResult *r, double *x, double *y, double *tie)
-{
-    int n = 0;
-
-    for (int i = 0; i < r->n; i++) {
-        const RacePoint *p = &r->point[i];
-        if (p->doubtful || !(p->sigma_over_mu > 0 && p->sigma_over_mu < INFINITY))
-            continue;
-        x[n] = md_log(p->spp);
-        y[n] = md_log(p->sigma_over_mu);
-        tie[n] = n && !r->fresh && x[n] > x[n - 1] ? md_exp(x[n - 1] - x[n]) : 0;
-        n++;
-    }
-    return n;
-}
-
-static void finish_method(RaceResult *r)
-{
-    double x[RACE_LOOKS + 1], y[RACE_LOOKS + 1], tie[RACE_LOOKS + 1];
-
-    for (int i = 0; i <= RACE_LOOKS; i++)
-        if (r->point[i].known)
-            r->point[r->n++] = r->point[i];
-    r->fit = line_fit(x, y, tie, race_fit_points(r, x, y, tie), RACE_CONFIDENCE);
-}
 
 static bool run_method(Runner *r)
 {
@@ -411,43 +368,11 @@ static bool run_method(Runner *r)
         seed = key_with(seed, SEED_SECOND);
         ok = result->fresh ? run_fresh(r, seed) : run_once(r, seed);
     }
-    finish_method(result);
+    race_finish(result);
     return ok;
 }
 
 /* ---- all together ---- */
-
-/* CPU seconds to an error of `goal`, on the line between two checkpoints, in logs. */
-static void find_reach(RaceResult *r, double goal)
-{
-    for (int i = 0; i < r->n; i++) {
-        const RacePoint *p = &r->point[i], *q = i ? p - 1 : p;
-        r->reach = p->cpu_seconds;
-        r->reach_is = p->sigma_over_mu <= goal ? 0 : 1;
-        if (r->reach_is)
-            continue;
-        if (!i)
-            r->reach_is = p->sigma_over_mu < goal ? -1 : 0;
-        else if (p->sigma_over_mu > 0 && q->cpu_seconds > 0)
-            r->reach = q->cpu_seconds * md_pow(p->cpu_seconds / q->cpu_seconds,
-                                               md_log(q->sigma_over_mu / goal) /
-                                               md_log(q->sigma_over_mu / p->sigma_over_mu));
-        return;
-    }
-}
-
-static void conclude(Race *race)
-{
-    const RaceResult *first = &race->result[0];
-
-    if (!race->n)
-        return;
-    race->goal = first->point[first->n - 1].sigma_over_mu;
-    if (race->reference == REFERENCE_PAIR)
-        race->mean = first->point[first->n - 1].mean;
-    for (int i = 0; race->goal > 0 && race->goal < INFINITY && i < race->n; i++)
-        find_reach(&race->result[i], race->goal);
-}
 
 static void runner_clear(Runner *r)
 {
@@ -489,7 +414,7 @@ bool race_run(const RaceOrder *o, const Scene *scene, const RenderSettings *base
         if (ok && in_pairs(r))
             ok = warn_of_same(&race->result[r->method]);
     }
-    conclude(race);
+    race_conclude(race);
     runner_clear(r);
     return ok;
 }

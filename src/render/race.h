@@ -119,6 +119,11 @@ typedef struct {
  * chain, as line_fit wants it. */
 int race_fit_points(const RaceResult *r, double *x, double *y, double *tie);
 
+/* Of a method whose checkpoints are set, wherever they stand in point[]: known ones first, the fit.
+ * Of a race whose methods are finished: goal, mean, and who reaches the goal when. */
+void race_finish(RaceResult *r);
+void race_conclude(Race *race);
+
 /* Runs what is ordered; base: what settings_resolve made of o->request for the scene, which must be
  * built. Pictures are written on the way. False: reported, and *race holds what was done before. */
 bool race_run(const RaceOrder *o, const Scene *scene, const RenderSettings *base, Race *race);

@@ -34,12 +34,13 @@ typedef struct {
     Reader     *reader;
     RaceOrder  *order;
     RaceMethod *method;         /* whom Integrator and Sampler are of; NULL: all */
+    Place       at;             /* the directive that is read */
     Place       method_at;
     Place       reference_at;
     unsigned    seen;           /* directives, by index */
 } RaceReader;
 
-typedef bool (*Step)(RaceReader *r, Place at);
+typedef bool (*Step)(RaceReader *r);
 typedef struct { const char *name; Step run; bool again; } Entry;
 
 /* ---- pieces ---- */
@@ -109,16 +110,14 @@ static bool take_path(RaceReader *r, const char *what, const char **path)
     return *path != NULL;
 }
 
-static bool read_scene(RaceReader *r, Place at)
+static bool read_scene(RaceReader *r)
 {
-    (void)at;
     return take_path(r, "the name of the scene's file", &r->order->scene);
 }
 
-static bool read_size(RaceReader *r, Place at)
+static bool read_size(RaceReader *r)
 {
     double w, h;
-    (void)at;
     if (!take_count(r, 1, INT32_MAX, &w) || !take_count(r, 1, INT32_MAX, &h))
         return false;
     r->order->request.w = (uint32_t)w;
@@ -126,7 +125,7 @@ static bool read_size(RaceReader *r, Place at)
     return true;
 }
 
-static bool read_crop(RaceReader *r, Place at)
+static bool read_crop(RaceReader *r)
 {
     uint32_t *c = r->order->request.crop;
     double v;
@@ -136,15 +135,14 @@ static bool read_crop(RaceReader *r, Place at)
         c[i] = (uint32_t)v;
     }
     if (c[0] >= c[2] || c[1] >= c[3])
-        return err_at(at, "Crop is not right, expected x0 y0 x1 y1 with x0 < x1 and y0 < y1");
+        return err_at(r->at, "Crop is not right, expected x0 y0 x1 y1 with x0 < x1 and y0 < y1");
     r->order->request.crop_given = true;
     return true;
 }
 
-static bool read_seed(RaceReader *r, Place at)
+static bool read_seed(RaceReader *r)
 {
     double v;
-    (void)at;
     if (!take_count(r, 0, 9007199254740992.0, &v))
         return false;
     r->order->request.seed = (uint64_t)v;
@@ -152,41 +150,41 @@ static bool read_seed(RaceReader *r, Place at)
     return true;
 }
 
-static bool read_threads(RaceReader *r, Place at)
+static bool read_threads(RaceReader *r)
 {
     double v;
-    (void)at;
     if (!take_count(r, 1, WORKERS_MAX, &v))
         return false;
     r->order->request.threads = (int)v;
     return true;
 }
 
-static bool read_spp(RaceReader *r, Place at)
+/* A list that `set` takes; else the message is of the place of its first number. */
+static bool set_list(RaceReader *r, bool (*set)(RaceOrder *, const double *, int),
+                     const char *wrong)
 {
     double v[RACE_LOOKS];
+    Place at;
     int n;
-    return take_list(r, v, &n, &at) &&
-           (race_spp_set(r->order, v, n) ||
-            err_at(at, "Spp is not right, expected whole numbers from 1 on that rise"));
+    return take_list(r, v, &n, &at) && (set(r->order, v, n) || err_at(at, "%s", wrong));
 }
 
-static bool read_time(RaceReader *r, Place at)
+static bool read_spp(RaceReader *r)
 {
-    double v[RACE_LOOKS];
-    int n;
-    return take_list(r, v, &n, &at) &&
-           (race_seconds_set(r->order, v, n) ||
-            err_at(at, "Time is not right, expected seconds from 0.001 to 1e9 that rise"));
+    return set_list(r, race_spp_set,
+                    "Spp is not right, expected whole numbers from 1 on that rise");
 }
 
-static bool read_autosave(RaceReader *r, Place at)
+static bool read_time(RaceReader *r)
 {
-    double v[RACE_LOOKS];
-    int n;
-    return take_list(r, v, &n, &at) &&
-           (race_autosave_set(r->order, v, n) ||
-            err_at(at, "Autosave is not right, expected seconds from 0.001 to 1e9 that rise"));
+    return set_list(r, race_seconds_set,
+                    "Time is not right, expected seconds from 0.001 to 1e9 that rise");
+}
+
+static bool read_autosave(RaceReader *r)
+{
+    return set_list(r, race_autosave_set,
+                    "Autosave is not right, expected seconds from 0.001 to 1e9 that rise");
 }
 
 /* ---- outputs ---- */
@@ -211,12 +209,11 @@ static bool is_picture(Place at, const char *path)
                   have);
 }
 
-static bool read_output(RaceReader *r, Place at)
+static bool read_output(RaceReader *r)
 {
     RaceOrder *o = r->order;
     Token t;
 
-    (void)at;
     do {
         char *name;
         if (!reader_peek(r->reader, &t) || !(name = take_string(r, "the name of a picture")))
@@ -232,15 +229,13 @@ static bool read_output(RaceReader *r, Place at)
     return true;
 }
 
-static bool read_csv(RaceReader *r, Place at)
+static bool read_csv(RaceReader *r)
 {
-    (void)at;
     return (r->order->csv = take_string(r, "the name of a file")) != NULL;
 }
 
-static bool read_plot(RaceReader *r, Place at)
+static bool read_plot(RaceReader *r)
 {
-    (void)at;
     return (r->order->plot = take_string(r, "the name of a file")) != NULL;
 }
 
@@ -253,16 +248,16 @@ static bool end_method(const RaceReader *r)
     return true;
 }
 
-static bool read_method(RaceReader *r, Place at)
+static bool read_method(RaceReader *r)
 {
     RaceOrder *o = r->order;
 
     if (!end_method(r))
         return false;
     if (o->nmethods == RACE_METHODS)
-        return err_at(at, "more than %d methods", RACE_METHODS);
+        return err_at(r->at, "more than %d methods", RACE_METHODS);
     r->method = &o->method[o->nmethods++];
-    r->method_at = at;
+    r->method_at = r->at;
     memset(r->method, 0, sizeof *r->method);
     return (r->method->label = take_string(r, "what the method is called")) != NULL;
 }
@@ -319,36 +314,33 @@ static bool take_opts(const void *kind, Setting *s, Opts *o)
     return opts_params(o, info->name, &s->params);
 }
 
-static bool read_integrator(RaceReader *r, Place at)
+static bool read_integrator(RaceReader *r)
 {
     Setting s;
     if (!r->method)
-        return err_at(at, "Integrator stands before any Method");
+        return err_at(r->at, "Integrator stands before any Method");
     r->method->integrator = take_kind(r, integrators, "integrator", &s);
     return take_opts(r->method->integrator, &s, &r->method->integrator_opts);
 }
 
-static bool read_sampler(RaceReader *r, Place at)
+static bool read_sampler(RaceReader *r)
 {
     RaceOrder *o = r->order;
     Setting s;
     Opts opts;
-    (void)at;
     if (!r->method)
         return take_opts(take_kind(r, samplers, "sampler", &o->sampler), &o->sampler, &opts);
     r->method->sampler = take_kind(r, samplers, "sampler", &s);
     return take_opts(r->method->sampler, &s, &r->method->sampler_opts);
 }
 
-static bool read_filter(RaceReader *r, Place at)
+static bool read_filter(RaceReader *r)
 {
-    (void)at;
     return take_kind(r, filters, "filter", &r->order->filter) != NULL;
 }
 
-static bool read_accelerator(RaceReader *r, Place at)
+static bool read_accelerator(RaceReader *r)
 {
-    (void)at;
     return take_kind(r, accels, "accelerator", &r->order->accelerator) != NULL;
 }
 
@@ -383,7 +375,7 @@ static bool take_reference_options(RaceReader *r, Place at)
     return true;
 }
 
-static bool read_reference(RaceReader *r, Place at)
+static bool read_reference(RaceReader *r)
 {
     RaceOrder *o = r->order;
     Token t;
@@ -402,8 +394,8 @@ static bool read_reference(RaceReader *r, Place at)
             return false;
     }
     r->method = &o->reference_method;
-    r->method_at = r->reference_at = at;
-    return take_reference_options(r, at);
+    r->method_at = r->reference_at = r->at;
+    return take_reference_options(r, r->at);
 }
 
 /* ---- the file ---- */
@@ -447,7 +439,8 @@ static bool run_directive(RaceReader *r, const Token *t)
     if (!directives[k].again && r->seen >> k & 1)
         return err_at(t->at, "%s was given before", directives[k].name);
     r->seen |= 1u << k;
-    return directives[k].run(r, t->at);
+    r->at = t->at;
+    return directives[k].run(r);
 }
 
 static bool run_directives(RaceReader *r, const char *path)
