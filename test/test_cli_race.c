@@ -112,7 +112,7 @@ static void outputs(void)
     EXPECT(!strncmp(c.out, "tiny.pbrt, 16 x 12 pixels, seed 3, 2 threads\n", 45), "%s", c.out);
     EXPECT(!c.err[0], "it says: %s", c.err);
     expect_aligned(c.out, "method                       spp    seconds      CPU s", 12);
-    expect_aligned(c.out, "method                  sampler         slope       95 % interval", 3);
+    expect_aligned(c.out, "method                  sampler           slope       95 % interval", 3);
     csv = csv_of(file_text("a.csv"));
     REQUIRE(csv->n == 12, "%d rows", csv->n);
     for (int i = 0; i < 12; i++) {

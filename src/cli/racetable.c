@@ -142,13 +142,13 @@ static void print_methods(const Race *race, int width)
     char head[40];
 
     snprintf(head, sizeof head, "CPU s to %.3g", race->goal);
-    printf("\n%-*s  %-12s%9s%20s%18s%10s\n", width, "method", "sampler", "slope",
+    printf("\n%-*s  %-14s%9s%20s%18s%10s\n", width, "method", "sampler", "slope",
            "95 % interval", head, "of first");
     for (int i = 0; i < race->n; i++) {
         const RaceResult *r = &race->result[i];
         char interval[TEXT] = "-";
         print_name(r->label, width);
-        printf("  %-12.12s", r->sampler);
+        printf("  %-14.14s", r->sampler);
         print_figure(9, 3, r->fit.n > 1 ? r->fit.slope : INFINITY);
         if (r->fit.error < INFINITY)
             snprintf(interval, sizeof interval, "%.3f to %.3f", r->fit.lo, r->fit.hi);

@@ -29,10 +29,15 @@ bool race_sampler_plans(const RaceMethod *m, uint32_t few, uint32_t many, bool *
     Sampler a, b;
 
     *plans = false;
-    if (!sampler_init(&a, m->sampler, &m->sampler_opts, 1, &few) ||
-        !sampler_init(&b, m->sampler, &m->sampler_opts, 1, &many))
+    if (!sampler_init(&a, m->sampler, &m->sampler_opts, 1, &few))
         return false;
+    if (!sampler_init(&b, m->sampler, &m->sampler_opts, 1, &many)) {
+        sampler_clear(&a);
+        return false;
+    }
     *plans = samplers_differ(&a, &b, few < 16 ? few : 16);
+    sampler_clear(&a);
+    sampler_clear(&b);
     return true;
 }
 
