@@ -250,6 +250,34 @@ static void plans(void)
     lab_clear(&l);
 }
 
+/* Every sampler's points depend on the seed, but for those that are told to be fixed. */
+static void seeds(void)
+{
+    static const char *const fixed[] = { "path@halton:randomize=none", "path@sobol:randomize=none",
+                                         "path@zerotwo:randomize=none" };
+    const uint32_t counts[] = { 1, 16, 0 };
+    Arena arena = { 0 };
+    RaceMethod m = { .integrator = &even_kind };
+    bool yes;
+
+    messages_quiet(true);
+    for (int n = 0; n < 3; n++) {
+        for (int k = 0; samplers[k]; k++) {
+            m.sampler = samplers[k];
+            opts_default(&m.sampler_opts, samplers[k]->info.options);
+            REQUIRE(race_sampler_seeded(&m, counts[n], &yes), "%s", samplers[k]->info.name);
+            EXPECT(yes, "%s, %d samples", samplers[k]->info.name, (int)counts[n]);
+        }
+        for (int k = 0; k < 3; k++) {
+            RaceMethod f;
+            REQUIRE(race_method_parse(&f, fixed[k], &arena) &&
+                    race_sampler_seeded(&f, counts[n], &yes), "%s", fixed[k]);
+            EXPECT(!yes, "%s, %d samples", fixed[k], (int)counts[n]);
+        }
+    }
+    arena_clear(&arena);
+}
+
 /* ---- orders ---- */
 
 static void methods(void)
@@ -308,6 +336,7 @@ const TestCase test_race[] = {
     { "files", files, false },
     { "by_time", by_time, false },
     { "plans", plans, false },
+    { "seeds", seeds, false },
     { "methods", methods, false },
     { "lists", lists, false },
     { "picture_names", picture_names, false },

@@ -342,6 +342,18 @@ static bool prepare_reference(Runner *r)
 
 /* ---- methods ---- */
 
+/* Two renders that are not independent do not tell the error. */
+static bool warn_if_fixed(const Runner *r, const RaceMethod *m)
+{
+    const RaceOrder *o = r->order;
+    bool seeded;
+
+    return race_sampler_seeded(m, by_samples(o) ? o->spp[o->nspp - 1] : 0, &seeded) &&
+           (seeded || warn_at((Place){ NULL, 0, 0 }, "%s: points of the sampler do not depend on "
+                              "the seed, so two renders do not tell the error; a reference does",
+                              m->label));
+}
+
 static bool run_method(Runner *r)
 {
     const RaceOrder *o = r->order;
@@ -361,6 +373,8 @@ static bool run_method(Runner *r)
     note("method %d of %d: %s, %s", r->method + 1, o->nmethods, m.label, result->sampler);
     if (o->nspp > 1 &&
         !race_sampler_plans(&m, o->spp[0], o->spp[o->nspp - 1], &result->fresh))
+        return false;
+    if (in_pairs(r) && !warn_if_fixed(r, &m))
         return false;
     ok = result->fresh ? run_fresh(r, seed) : run_once(r, seed);
     if (ok && in_pairs(r) && !r->race->interrupted) {

@@ -133,6 +133,10 @@ bool race_run(const RaceOrder *o, const Scene *scene, const RenderSettings *base
  * sampler cannot be made, which is reported. */
 bool race_sampler_plans(const RaceMethod *m, uint32_t few, uint32_t many, bool *plans);
 
+/* Whether other seeds give other points: not those of fixed patterns, of which at most the order
+ * changes. Two renders then are not independent. spp 0: not known. */
+bool race_sampler_seeded(const RaceMethod *m, uint32_t spp, bool *seeded);
+
 /* "plates.pfm", method 2 called "mis@halton", 20 s: "plates-2-mis_halton-20s.pfm". seconds < 0: the
  * end, "plates-2-mis_halton.pfm". Owned by the caller; NULL: out of memory. */
 char *race_picture_name(const char *output, int method, const char *label, double seconds);

@@ -24,20 +24,61 @@ static bool samplers_differ(Sampler *a, Sampler *b, uint32_t samples)
     return false;
 }
 
+/* Of the points that a decision has, whatever their order. */
+static uint64_t points_key(Sampler *s, uint32_t samples, Decision d)
+{
+    uint64_t sum = 0;
+
+    for (uint32_t i = 0; i < samples; i++) {
+        V2 u;
+        sampler_start(s, i);
+        u = sample_2d(s, d);
+        sum += key_with((uint64_t)(u.x * 0x1p24f), (uint64_t)(u.y * 0x1p24f));
+    }
+    return sum;
+}
+
+/* The two samplers of a question; both are to be cleared if it is true. */
+static bool open_two(const RaceMethod *m, Sampler s[2], uint32_t spp[2], const uint64_t seed[2])
+{
+    if (!sampler_init(&s[0], m->sampler, &m->sampler_opts, seed[0], &spp[0]))
+        return false;
+    if (sampler_init(&s[1], m->sampler, &m->sampler_opts, seed[1], &spp[1]))
+        return true;
+    sampler_clear(&s[0]);
+    return false;
+}
+
+bool race_sampler_seeded(const RaceMethod *m, uint32_t spp, bool *seeded)
+{
+    enum { UNKNOWN = 64 };
+    const uint64_t seed[2] = { 1, 2 };
+    uint32_t planned[2] = { spp, spp };
+    Sampler s[2];
+
+    *seeded = true;
+    if (!open_two(m, s, planned, seed))
+        return false;
+    for (int d = 0; *seeded && d < 2 * DECIDE_KINDS; d++)
+        *seeded = points_key(&s[0], spp ? planned[0] : UNKNOWN, (Decision)d) !=
+                  points_key(&s[1], spp ? planned[1] : UNKNOWN, (Decision)d);
+    sampler_clear(&s[0]);
+    sampler_clear(&s[1]);
+    return true;
+}
+
 bool race_sampler_plans(const RaceMethod *m, uint32_t few, uint32_t many, bool *plans)
 {
-    Sampler a, b;
+    const uint64_t seed[2] = { 1, 1 };
+    uint32_t planned[2] = { few, many };
+    Sampler s[2];
 
     *plans = false;
-    if (!sampler_init(&a, m->sampler, &m->sampler_opts, 1, &few))
+    if (!open_two(m, s, planned, seed))
         return false;
-    if (!sampler_init(&b, m->sampler, &m->sampler_opts, 1, &many)) {
-        sampler_clear(&a);
-        return false;
-    }
-    *plans = samplers_differ(&a, &b, few < 16 ? few : 16);
-    sampler_clear(&a);
-    sampler_clear(&b);
+    *plans = samplers_differ(&s[0], &s[1], planned[0] < 16 ? planned[0] : 16);
+    sampler_clear(&s[0]);
+    sampler_clear(&s[1]);
     return true;
 }
 
