@@ -68,6 +68,18 @@ static void meaning(void)
     race_order_clear(&o);
 }
 
+/* The one that people copy from. */
+static void example(void)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    static RaceOrder o;
+
+    REQUIRE(race_file_read(&o, "scenes/plates.race", &limits) && warnings_count() == 0, "refused");
+    EXPECT(o.nmethods == 4 && !strcmp(o.scene, "scenes/plates.pbrt") && file_exists(o.scene) &&
+           o.reference == REFERENCE_AUTO && o.csv && o.plot && o.noutputs == 1, "it says less");
+    race_order_clear(&o);
+}
+
 /* The end may be left open: "...*", where sets that grow are told. */
 static bool says(const char *line, const char *expected)
 {
@@ -217,6 +229,7 @@ static void no_memory(void)
 
 const TestCase test_race_file[] = {
     { "meaning", meaning, false },
+    { "example", example, false },
     { "wrong", wrong, false },
     { "hostile", hostile, false },
     { "no_memory", no_memory, false },
