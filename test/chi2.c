@@ -3,22 +3,12 @@
 
 #include "base/maths.h"
 #include "base/mem.h"
+#include "base/statistics.h"
 #include "test/test.h"
 
 #include <stdlib.h>
 
 /* ---- the distribution: regularised incomplete gamma function ---- */
-
-/* Stirling's series after enough steps up; about 1e-14 for x > 0. */
-static double log_gamma(double x)
-{
-    double shift = 0.0, y;
-    while (x < 12.0)
-        shift += md_log(x++);
-    y = 1.0 / (x * x);
-    return (x - 0.5) * md_log(x) - x + 0.91893853320467274178 - shift +
-           (1.0 / 12.0 - y * (1.0 / 360.0 - y * (1.0 / 1260.0 - y / 1680.0))) / x;
-}
 
 /* Q(a, x) = Gamma(a, x) / Gamma(a): a series for P = 1 - Q below the mean, and above it Legendre's
  * continued fraction by Lentz's method. */

@@ -296,3 +296,63 @@ void cli_scene(void)
     cli_write_text("wood.ppm", wood);
     cli_write_text("tiny.pbrt", cli_scene_text);
 }
+
+/* ---- CSV ---- */
+
+/* One line; returns what follows. */
+static const char *csv_row(CsvRow *r, const char *p, int *fields)
+{
+    int k = 0, n = 0;
+    bool quoted = false;
+
+    memset(r, 0, sizeof *r);
+    for (; *p && (quoted || *p != '\n'); p++) {
+        if (*p == '"' && quoted && p[1] == '"')
+            r->field[k][n++] = *p++;
+        else if (*p == '"')
+            quoted = !quoted;
+        else if (*p == ',' && !quoted) {
+            k++;
+            n = 0;
+        } else
+            r->field[k][n++] = *p;
+        REQUIRE(k < CSV_FIELDS && n < CSV_FIELD_ROOM - 1, "too many fields, or too long a one");
+    }
+    EXPECT(*p == '\n', "a line without end");
+    *fields = k + 1;
+    return p + (*p == '\n');
+}
+
+const Csv *csv_of(const char *text)
+{
+    static Csv turns[2];
+    static int turn;
+    Csv *c = &turns[turn++ & 1];
+    int fields;
+
+    c->n = 0;
+    for (text = csv_row(&c->head, text, &c->fields); *text; c->n++) {
+        REQUIRE(c->n < CSV_ROWS, "too many rows");
+        text = csv_row(&c->row[c->n], text, &fields);
+        EXPECT(fields == c->fields, "row %d: %d fields", c->n, fields);
+    }
+    return c;
+}
+
+const char *csv_text(const Csv *c, int row, const char *column)
+{
+    int k = 0;
+    while (k < c->fields && strcmp(c->head.field[k], column))
+        k++;
+    REQUIRE(k < c->fields && row < c->n, "no column '%s', or no row %d", column, row);
+    return c->row[row].field[k];
+}
+
+double csv_num(const Csv *c, int row, const char *column)
+{
+    const char *text = csv_text(c, row, column);
+    char *end;
+    double v = strtod(text, &end);
+    EXPECT(end > text && !*end, "row %d: %s is '%s'", row, column, text);
+    return v;
+}

@@ -49,6 +49,18 @@ bool cli_same_file(const char *a, const char *b);
 /* The names in the folder of the case, in order, with a blank after each. */
 const char *cli_folder(void);
 
+/* ---- CSV ---- */
+
+enum { CSV_FIELDS = 32, CSV_FIELD_ROOM = 80, CSV_ROWS = 100 };
+typedef struct { char field[CSV_FIELDS][CSV_FIELD_ROOM]; } CsvRow;
+typedef struct { CsvRow head, row[CSV_ROWS]; int fields, n; } Csv;
+
+/* A text with a head; quotes as RFC 4180 has them. All rows must have as many fields as the head.
+ * Two static ones in turn. */
+const Csv  *csv_of(const char *text);
+const char *csv_text(const Csv *c, int row, const char *column);
+double      csv_num(const Csv *c, int row, const char *column);     /* a number, or a failure */
+
 /* Writes the files of a small scene into the folder: tiny.pbrt with a mesh in a file, a sphere, a
  * texture, a picture of the sky and an area light; 16 x 12 pixels, 2 samples. */
 void cli_scene(void);

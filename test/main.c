@@ -17,10 +17,12 @@
 
 #define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(image) X(image_png) \
     X(image_pngread) X(textures) \
+    X(statistics) X(image_noise) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \
     X(scenefile_shapes) X(scenefile_lights) X(scenefile_hostile) \
-    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) \
+    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) X(race) \
+    X(race_file) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
     X(physics_exact) X(physics_weights) X(lights) X(panorama) X(emission) X(lightsampling) \
     X(cameras) X(driver) X(adaptive) X(film) X(filters) X(motion) X(cameras_we) \

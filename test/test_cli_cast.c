@@ -34,73 +34,14 @@ static int structures(void)
 
 /* ---- CSV ---- */
 
-enum { FIELDS = 26, FIELD_ROOM = 80, ROWS = 100 };
-typedef struct { char field[FIELDS][FIELD_ROOM]; } Row;
-typedef struct { Row head, row[ROWS]; int n; } Csv;
-
-/* One line of it; returns what follows. Quotes as RFC 4180 has them. */
-static const char *csv_row(Row *r, const char *p)
-{
-    int k = 0, n = 0;
-    bool quoted = false;
-
-    memset(r, 0, sizeof *r);
-    for (; *p && (quoted || *p != '\n'); p++) {
-        if (*p == '"' && quoted && p[1] == '"')
-            r->field[k][n++] = *p++;
-        else if (*p == '"')
-            quoted = !quoted;
-        else if (*p == ',' && !quoted) {
-            k++;
-            n = 0;
-        } else
-            r->field[k][n++] = *p;
-        REQUIRE(k < FIELDS && n < FIELD_ROOM - 1, "too many fields, or too long a one");
-    }
-    EXPECT(k == FIELDS - 1 && *p == '\n', "%d fields", k + 1);
-    return p + (*p == '\n');
-}
-
-static const Csv *csv_of(const char *text)
-{
-    static Csv turns[2];
-    static int turn;
-    Csv *c = &turns[turn++ & 1];
-
-    c->n = 0;
-    for (text = csv_row(&c->head, text); *text; c->n++) {
-        REQUIRE(c->n < ROWS, "too many rows");
-        text = csv_row(&c->row[c->n], text);
-    }
-    return c;
-}
-
-static const char *text_of(const Csv *c, int row, const char *column)
-{
-    int k = 0;
-    while (k < FIELDS && strcmp(c->head.field[k], column))
-        k++;
-    REQUIRE(k < FIELDS && row < c->n, "no column '%s', or no row %d", column, row);
-    return c->row[row].field[k];
-}
-
-static double figure(const Csv *c, int row, const char *column)
-{
-    const char *text = text_of(c, row, column);
-    char *end;
-    double v = strtod(text, &end);
-    EXPECT(end > text && !*end, "row %d: %s is '%s'", row, column, text);
-    return v;
-}
-
 /* The same rays have the same answers in every structure; rows come by structure, then by rays. */
 static void expect_agreement(const Csv *c, int sets)
 {
     for (int i = sets; i < c->n; i++) {
-        EXPECT(!strcmp(text_of(c, i, "rays"), text_of(c, i % sets, "rays")), "row %d", i);
-        EXPECT(!strcmp(text_of(c, i, "hits"), text_of(c, i % sets, "hits")) &&
-               !strcmp(text_of(c, i, "sum_t"), text_of(c, i % sets, "sum_t")),
-               "row %d: %s has hits and sum of its own", i, text_of(c, i, "structure"));
+        EXPECT(!strcmp(csv_text(c, i, "rays"), csv_text(c, i % sets, "rays")), "row %d", i);
+        EXPECT(!strcmp(csv_text(c, i, "hits"), csv_text(c, i % sets, "hits")) &&
+               !strcmp(csv_text(c, i, "sum_t"), csv_text(c, i % sets, "sum_t")),
+               "row %d: %s has hits and sum of its own", i, csv_text(c, i, "structure"));
     }
 }
 
@@ -114,26 +55,26 @@ static void csv(void)
     REQUIRE(c->n == n * RAYS_KINDS, "%d rows", c->n);
     expect_agreement(c, RAYS_KINDS);
     for (int i = 0; i < c->n; i++) {
-        bool brute = !strcmp(text_of(c, i, "structure"), "brute");
-        EXPECT(!strcmp(text_of(c, i, "mesh"), "m,\"1.ply"), "mesh: %s", text_of(c, i, "mesh"));
-        EXPECT(!strcmp(text_of(c, i, "structure"), accels[i / RAYS_KINDS]->info.name) &&
-               !strcmp(text_of(c, i, "rays"), rays_names[i % RAYS_KINDS]), "row %d: %s %s", i,
-               text_of(c, i, "structure"), text_of(c, i, "rays"));
-        EXPECT(figure(c, i, "triangles") == 320 && figure(c, i, "vertices") == 162, "the mesh");
-        EXPECT(brute || figure(c, i, "nodes") > 0, "no nodes");
-        EXPECT(figure(c, i, "peak_bytes_per_triangle") >= figure(c, i, "bytes_per_triangle"),
-               "peak %s", text_of(c, i, "peak_bytes_per_triangle"));
-        EXPECT(fabs(figure(c, i, "bytes_per_triangle_all") - figure(c, i, "bytes_per_triangle") -
+        bool brute = !strcmp(csv_text(c, i, "structure"), "brute");
+        EXPECT(!strcmp(csv_text(c, i, "mesh"), "m,\"1.ply"), "mesh: %s", csv_text(c, i, "mesh"));
+        EXPECT(!strcmp(csv_text(c, i, "structure"), accels[i / RAYS_KINDS]->info.name) &&
+               !strcmp(csv_text(c, i, "rays"), rays_names[i % RAYS_KINDS]), "row %d: %s %s", i,
+               csv_text(c, i, "structure"), csv_text(c, i, "rays"));
+        EXPECT(csv_num(c, i, "triangles") == 320 && csv_num(c, i, "vertices") == 162, "the mesh");
+        EXPECT(brute || csv_num(c, i, "nodes") > 0, "no nodes");
+        EXPECT(csv_num(c, i, "peak_bytes_per_triangle") >= csv_num(c, i, "bytes_per_triangle"),
+               "peak %s", csv_text(c, i, "peak_bytes_per_triangle"));
+        EXPECT(fabs(csv_num(c, i, "bytes_per_triangle_all") - csv_num(c, i, "bytes_per_triangle") -
                     (320 * sizeof(Tri) + 162 * sizeof(V3)) / 320.0) < 1e-9, "geometry");
-        EXPECT(figure(c, i, "hits") <= figure(c, i, "count") && figure(c, i, "count") > 0 &&
-               figure(c, i, "prims_per_ray") > 0 && !*text_of(c, i, "file_hits"), "row %d", i);
+        EXPECT(csv_num(c, i, "hits") <= csv_num(c, i, "count") && csv_num(c, i, "count") > 0 &&
+               csv_num(c, i, "prims_per_ray") > 0 && !*csv_text(c, i, "file_hits"), "row %d", i);
     }
-    EXPECT(figure(c, 0, "count") == 24 * 20 && figure(c, 0, "prims_per_ray") == 320, "brute");
+    EXPECT(csv_num(c, 0, "count") == 24 * 20 && csv_num(c, 0, "prims_per_ray") == 320, "brute");
     c = csv_of(CLI_WORKS("cast m,\"1.ply --quiet --csv --size 8x8 --runs 0 --accel wide "
                          "--accel lbvh:bits=8,leaf=2").out);
-    EXPECT(c->n == 2 * RAYS_KINDS && !strcmp(text_of(c, 0, "structure"), "wide") &&
-           !strcmp(text_of(c, RAYS_KINDS, "structure"), "lbvh:bits=8,leaf=2"), "chosen ones");
-    EXPECT(!*text_of(c, 0, "mrays_single") && !*text_of(c, 0, "mrays_batch"), "speed of no run");
+    EXPECT(c->n == 2 * RAYS_KINDS && !strcmp(csv_text(c, 0, "structure"), "wide") &&
+           !strcmp(csv_text(c, RAYS_KINDS, "structure"), "lbvh:bits=8,leaf=2"), "chosen ones");
+    EXPECT(!*csv_text(c, 0, "mrays_single") && !*csv_text(c, 0, "mrays_batch"), "speed of no run");
 }
 
 /* ---- tables ---- */
@@ -210,23 +151,23 @@ static void known_hits(void)
     write_mesh("room.ply", &m);
     c = csv_of(CLI_WORKS("cast ball.ply --quiet --csv --size 64x64 --runs 0").out);
     expect_agreement(c, RAYS_KINDS);
-    EXPECT(figure(c, RAYS_PRIMARY, "hits") > 0.6 * 64 * 64 &&
-           figure(c, RAYS_PRIMARY, "hits") < 64 * 64, "the frame: %s",
-           text_of(c, RAYS_PRIMARY, "hits"));
-    EXPECT(figure(c, RAYS_BOUNCE, "count") == figure(c, RAYS_PRIMARY, "hits") &&
-           figure(c, RAYS_AO, "count") == figure(c, RAYS_PRIMARY, "hits"), "a ray a hit");
-    EXPECT(figure(c, RAYS_SHADOW, "count") > 0.3 * figure(c, RAYS_PRIMARY, "hits") &&
-           figure(c, RAYS_SHADOW, "count") < figure(c, RAYS_PRIMARY, "hits"), "facing the light");
+    EXPECT(csv_num(c, RAYS_PRIMARY, "hits") > 0.6 * 64 * 64 &&
+           csv_num(c, RAYS_PRIMARY, "hits") < 64 * 64, "the frame: %s",
+           csv_text(c, RAYS_PRIMARY, "hits"));
+    EXPECT(csv_num(c, RAYS_BOUNCE, "count") == csv_num(c, RAYS_PRIMARY, "hits") &&
+           csv_num(c, RAYS_AO, "count") == csv_num(c, RAYS_PRIMARY, "hits"), "a ray a hit");
+    EXPECT(csv_num(c, RAYS_SHADOW, "count") > 0.3 * csv_num(c, RAYS_PRIMARY, "hits") &&
+           csv_num(c, RAYS_SHADOW, "count") < csv_num(c, RAYS_PRIMARY, "hits"), "facing the light");
     for (int k = RAYS_BOUNCE; k <= RAYS_AO; k++)
-        EXPECT(figure(c, k, "hits") == 0, "%s: %s hits", rays_names[k], text_of(c, k, "hits"));
+        EXPECT(csv_num(c, k, "hits") == 0, "%s: %s hits", rays_names[k], csv_text(c, k, "hits"));
     c = csv_of(CLI_WORKS("cast room.ply --quiet --csv --size 64x64 --runs 0 "
                          "--cam 0.5,0.4,0.5,1.9,0.6,0.4,60 --light 0.5,0.5,0.9 --ao 5").out);
     expect_agreement(c, RAYS_KINDS);
-    EXPECT(figure(c, RAYS_PRIMARY, "hits") == 64 * 64, "primary: %s", text_of(c, 0, "hits"));
-    EXPECT(figure(c, RAYS_BOUNCE, "hits") == 64 * 64 && figure(c, RAYS_AO, "hits") == 64 * 64,
-           "bounce: %s, ao: %s", text_of(c, RAYS_BOUNCE, "hits"), text_of(c, RAYS_AO, "hits"));
-    EXPECT(figure(c, RAYS_SHADOW, "count") > 0 && figure(c, RAYS_SHADOW, "hits") <
-           0.5 * figure(c, RAYS_SHADOW, "count"), "shadow: %s", text_of(c, RAYS_SHADOW, "hits"));
+    EXPECT(csv_num(c, RAYS_PRIMARY, "hits") == 64 * 64, "primary: %s", csv_text(c, 0, "hits"));
+    EXPECT(csv_num(c, RAYS_BOUNCE, "hits") == 64 * 64 && csv_num(c, RAYS_AO, "hits") == 64 * 64,
+           "bounce: %s, ao: %s", csv_text(c, RAYS_BOUNCE, "hits"), csv_text(c, RAYS_AO, "hits"));
+    EXPECT(csv_num(c, RAYS_SHADOW, "count") > 0 && csv_num(c, RAYS_SHADOW, "hits") <
+           0.5 * csv_num(c, RAYS_SHADOW, "count"), "shadow: %s", csv_text(c, RAYS_SHADOW, "hits"));
 }
 
 /* Bounces go by the cosine: on a plane seen from above, its mean is 2/3; 4 standard errors. */
@@ -282,8 +223,8 @@ static void expect_head(const Csv *c, int k)
            !memcmp(b + 8 + kind, zeros, 16 - kind), "%s: magic, version, kind", name);
     EXPECT(u32_at(b, 24) == (k == RAYS_SHADOW || k == RAYS_AO) && u32_at(b, 28) == 0, "query");
     EXPECT(u64_at(b, 32) == (n - HEAD) / RECORD && (n - HEAD) % RECORD == 0 &&
-           (double)u64_at(b, 32) == figure(c, k, "count"), "%s: count", name);
-    EXPECT((double)u64_at(b, 40) == figure(c, k, "hits") && sum == figure(c, k, "sum_t"),
+           (double)u64_at(b, 32) == csv_num(c, k, "count"), "%s: count", name);
+    EXPECT((double)u64_at(b, 40) == csv_num(c, k, "hits") && sum == csv_num(c, k, "sum_t"),
            "%s: hits or sum", name);
 }
 
@@ -300,12 +241,12 @@ static void round_trip(void)
                             "--rays r.random.rays").out);
     REQUIRE(read->n == made->n, "%d rows", read->n);
     for (int i = 0; i < made->n; i++) {
-        EXPECT(!strcmp(text_of(read, i, "hits"), text_of(made, i, "hits")) &&
-               !strcmp(text_of(read, i, "sum_t"), text_of(made, i, "sum_t")) &&
-               !strcmp(text_of(read, i, "query"), text_of(made, i, "query")) &&
-               !strcmp(text_of(read, i, "count"), text_of(made, i, "count")), "row %d", i);
-        EXPECT(!strcmp(text_of(read, i, "hits"), text_of(read, i, "file_hits")) &&
-               !strcmp(text_of(read, i, "sum_t"), text_of(read, i, "file_sum_t")), "row %d", i);
+        EXPECT(!strcmp(csv_text(read, i, "hits"), csv_text(made, i, "hits")) &&
+               !strcmp(csv_text(read, i, "sum_t"), csv_text(made, i, "sum_t")) &&
+               !strcmp(csv_text(read, i, "query"), csv_text(made, i, "query")) &&
+               !strcmp(csv_text(read, i, "count"), csv_text(made, i, "count")), "row %d", i);
+        EXPECT(!strcmp(csv_text(read, i, "hits"), csv_text(read, i, "file_hits")) &&
+               !strcmp(csv_text(read, i, "sum_t"), csv_text(read, i, "file_sum_t")), "row %d", i);
     }
     EXPECT(!strcmp(cli_folder(), "m.ply r.ao.rays r.bounce.rays r.primary.rays r.random.rays "
                    "r.shadow.rays "), "the folder holds %s", cli_folder());
@@ -384,9 +325,9 @@ static void tmin(void)
         t = csv_of(c.out);
         REQUIRE(t->n == structures(), "%d rows", t->n);
         expect_agreement(t, 1);
-        EXPECT(figure(t, 0, "hits") == 4 && figure(t, 0, "sum_t") == (any ? 0 : 5) &&
-               figure(t, 0, "count") == 7, "%s hits, sum %s", text_of(t, 0, "hits"),
-               text_of(t, 0, "sum_t"));
+        EXPECT(csv_num(t, 0, "hits") == 4 && csv_num(t, 0, "sum_t") == (any ? 0 : 5) &&
+               csv_num(t, 0, "count") == 7, "%s hits, sum %s", csv_text(t, 0, "hits"),
+               csv_text(t, 0, "sum_t"));
     }
 }
 
@@ -416,8 +357,9 @@ static void other_byte_order(void)
     cli_write("g.rays", g.bytes, g.n);
     c = csv_of(CLI_WORKS("cast square.ply --quiet --csv --runs 0 --rays f.rays --rays g.rays "
                          "--accel wide").out);
-    EXPECT(figure(c, 0, "hits") == 1 && figure(c, 1, "hits") == 1 && figure(c, 0, "sum_t") == 1 &&
-           figure(c, 1, "sum_t") == 1, "one of the orders");
+    EXPECT(csv_num(c, 0, "hits") == 1 && csv_num(c, 1, "hits") == 1 &&
+           csv_num(c, 0, "sum_t") == 1 &&
+           csv_num(c, 1, "sum_t") == 1, "one of the orders");
 }
 
 static void expect_refused(const RayBytes *f, const char *why)
@@ -546,8 +488,8 @@ static void odd_meshes(void)
         c = csv_of(CLI_WORKS("cast odd.ply --quiet --csv --size 16x16 --runs 1").out);
         REQUIRE(c->n == structures() * RAYS_KINDS, "%d rows", c->n);
         expect_agreement(c, RAYS_KINDS);
-        EXPECT(figure(c, 0, "triangles") == CASES[i].tris, "mesh %lu", (unsigned long)i);
-        EXPECT(!*text_of(c, 0, "bytes_per_triangle") == !CASES[i].tris, "bytes of no triangle");
+        EXPECT(csv_num(c, 0, "triangles") == CASES[i].tris, "mesh %lu", (unsigned long)i);
+        EXPECT(!*csv_text(c, 0, "bytes_per_triangle") == !CASES[i].tris, "bytes of no triangle");
         EXPECT(!strstr(CLI_WORKS("cast odd.ply --quiet --size 16x16 --runs 1").out, "nan"), "nan");
     }
     cli_write_text("odd.ply", PLY_HEAD("3", "1") "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
@@ -563,8 +505,8 @@ static void scenes(void)
     c = csv_of(CLI_WORKS("cast tiny.pbrt --quiet --csv --size 40x30 --runs 0").out);
     REQUIRE(c->n == structures() * RAYS_KINDS, "%d rows", c->n);
     expect_agreement(c, RAYS_KINDS);
-    EXPECT(figure(c, 0, "hits") > 100 && figure(c, 0, "triangles") == 6, "hits: %s",
-           text_of(c, 0, "hits"));
+    EXPECT(csv_num(c, 0, "hits") > 100 && csv_num(c, 0, "triangles") == 6, "hits: %s",
+           csv_text(c, 0, "hits"));
     cli_write_text("two.pbrt", "WorldBegin\nObjectBegin \"a\"\nShape \"sphere\"\n"
                    "AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" "
                    "\"roof.ply\"\nObjectEnd\nObjectInstance \"a\"\nTranslate 3 0 0\n"
@@ -572,7 +514,7 @@ static void scenes(void)
     c = csv_of(cli("cast two.pbrt --quiet --csv --size 40x30 --runs 0").out);
     REQUIRE(c->n == structures() * RAYS_KINDS, "%d rows", c->n);
     expect_agreement(c, RAYS_KINDS);
-    EXPECT(figure(c, 0, "hits") > 100, "instances: %s hits", text_of(c, 0, "hits"));
+    EXPECT(csv_num(c, 0, "hits") > 100, "instances: %s hits", csv_text(c, 0, "hits"));
 }
 
 /* ---- words ---- */

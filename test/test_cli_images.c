@@ -109,7 +109,7 @@ static void compare_figures(void)
            c.out);
     c = CLI_WORKS("compare one.pfm more.pfm");
     EXPECT(near(figure(c.out, "sigma/mu"), 1.0 / 3), "less: %s", c.out);
-    EXPECT(cli_lines(c.out) == 13, "%d lines", cli_lines(c.out));
+    EXPECT(cli_lines(c.out) == 15, "%d lines", cli_lines(c.out));
 }
 
 static void compare_limit(void)
@@ -130,6 +130,23 @@ static void compare_limit(void)
     EXPECT_CLI(c, STATUS_INPUT, "rushlight: one.pfm: the image has 16 x 9 pixels, at most 143 in "
                "all were expected (--max-pixels)\n");
     CLI_WORKS("compare --max-pixels 144 one.pfm one.pfm");
+}
+
+static void compare_family(void)
+{
+    Cli c;
+
+    write_plain("one.pfm", 16, 9, rgb_all(1));
+    write_plain("more.pfm", 16, 9, rgb_all(1.5f));
+    write_plain("bad.pfm", 16, 9, rgb_all(NAN));
+    c = CLI_WORKS("compare one.pfm one.pfm --family 0.01");
+    EXPECT(figure(c.out, "tiles-differ") == 0 && figure(c.out, "family-p") == 1, "%s", c.out);
+    c = CLI_WORKS("compare more.pfm one.pfm");                   /* told, but no limit was given */
+    EXPECT(figure(c.out, "tiles-differ") == 2 && figure(c.out, "family-p") < 1e-9, "%s", c.out);
+    EXPECT_CLI(cli("compare more.pfm one.pfm --family 0.01"), STATUS_DIFFERENT, "");
+    EXPECT_CLI(cli("compare bad.pfm one.pfm --family 0.01"), STATUS_DIFFERENT, "");
+    CLI_FAILS(STATUS_USAGE, "--family '2' is not right, expected a number from 1e-12 to 0.5",
+              "compare one.pfm one.pfm --family 2");
 }
 
 static void compare_picture(void)
@@ -252,6 +269,7 @@ const TestCase test_cli_images[] = {
     { "info_scenes", info_scenes, false },
     { "compare_figures", compare_figures, false },
     { "compare_limit", compare_limit, false },
+    { "compare_family", compare_family, false },
     { "compare_picture", compare_picture, false },
     { "convert_all", convert_all, false },
     { "convert_exposed", convert_exposed, false },

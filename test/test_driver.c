@@ -380,6 +380,101 @@ static void interrupt(void)
     lab_clear(&l);
 }
 
+/* What a watch saw. */
+enum { LOOKS = 5 };
+static const uint32_t look_spp[LOOKS] = { 1, 3, 4, 7, 20 };
+typedef struct { Film film[LOOKS]; int n, end_at; } Watched;
+
+static bool keep_film(void *ctx, const Film *film, const RenderReport *so_far)
+{
+    Watched *w = ctx;
+    size_t n = (size_t)film->w * film->h;
+    Film *copy = &w->film[w->n];
+    const uint32_t crop[4] = { film->x0, film->y0, film->x1, film->y1 };
+
+    REQUIRE(w->n < LOOKS && film_init(copy, film->full_w, film->full_h, crop, 1), "a look");
+    memcpy(copy->sums, film->sums, 3 * n * sizeof *copy->sums);
+    memcpy(copy->counts, film->counts, n * sizeof *copy->counts);
+    EXPECT(so_far->spp == look_spp[w->n] && so_far->samples == look_spp[w->n] * n &&
+           so_far->rays > 0, "look %d after %g samples", w->n, so_far->spp);
+    return ++w->n != w->end_at;
+}
+
+/* A picture that is looked at is that of a render which ends there; so is the last one. */
+static void watch(void)
+{
+    RenderReport report;
+    RenderSettings s;
+    Film film, alone;
+    Watched seen = { .n = 0 };
+    RenderWatch w = { &seen, keep_film, look_spp, NULL, LOOKS, 0 };
+    Lab l;
+
+    small_scene(&l);
+    picture_settings(&l, &s, "", W, H, 21);
+    s.threads = 2;
+    s.watch = &w;
+    picture_render(&l, &s, &film, &report);
+    EXPECT(seen.n == LOOKS && report.spp == 21, "%d looks, %g samples", seen.n, report.spp);
+    s.watch = NULL;
+    for (int k = 0; k <= LOOKS; k++) {
+        s.spp = k < LOOKS ? look_spp[k] : 21;
+        picture_render(&l, &s, &alone, &report);
+        EXPECT(films_equal(k < LOOKS ? &seen.film[k] : &film, &alone), "%d samples", (int)s.spp);
+        film_clear(&alone);
+        if (k < LOOKS)
+            film_clear(&seen.film[k]);
+    }
+    film_clear(&film);
+    seen.n = 0;                         /* who looks can end it */
+    seen.end_at = 2;
+    s.watch = &w;
+    picture_render(&l, &s, &film, &report);
+    EXPECT(seen.n == 2 && report.spp == 3 && !report.interrupted, "ended at %g", report.spp);
+    film_clear(&seen.film[0]);
+    film_clear(&seen.film[1]);
+    film_clear(&film);
+    lab_clear(&l);
+}
+
+typedef struct { int n; double last; } Moments;
+
+static bool count_moment(void *ctx, const Film *film, const RenderReport *so_far)
+{
+    Moments *m = ctx;
+    for (size_t i = 0; i < (size_t)film->w * film->h; i++)
+        EXPECT(film->counts[i] > 0, "look %d: pixel %d has no sample", m->n, (int)i);
+    EXPECT(so_far->seconds > m->last && so_far->cpu_seconds >= 0, "look %d goes back", m->n);
+    m->last = so_far->seconds;
+    m->n++;
+    return true;
+}
+
+/* Moments within a pass: units go on where they stopped, so no sample is lost or taken twice. All
+ * moments lie before the end, however slow the machine is: the first two come as soon as may be. */
+static void watch_clock(void)
+{
+    static const double seconds[] = { 1e-9, 2e-9, 1e-4, 2e-4, 5e-4, 1e-3, 1e9 };
+    RenderReport report;
+    RenderSettings s;
+    Film film, alone;
+    Moments seen = { 0, -1 };
+    RenderWatch w = { &seen, count_moment, NULL, seconds, 0, 7 };
+    Lab l;
+
+    small_scene(&l);
+    picture_settings(&l, &s, "", W, H, 24);
+    s.threads = 2;
+    picture_render(&l, &s, &alone, &report);
+    s.watch = &w;
+    picture_render(&l, &s, &film, &report);
+    EXPECT(seen.n > 0 && seen.n < 7, "%d looks", seen.n);
+    EXPECT(films_equal(&film, &alone), "another picture");
+    film_clear(&film);
+    film_clear(&alone);
+    lab_clear(&l);
+}
+
 /* An hour of samples ends after the time it was given. */
 static void time_budget(void)
 {
@@ -432,6 +527,8 @@ const TestCase test_driver[] = {
     { "places", places, false },
     { "phases", phases, false },
     { "interrupt", interrupt, false },
+    { "watch", watch, false },
+    { "watch_clock", watch_clock, false },
     { "time_budget", time_budget, false },
     { "error_budget", error_budget, false },
     { NULL, NULL, false }

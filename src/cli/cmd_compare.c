@@ -6,10 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ARG_MAX, ARG_DIFF, ARG_SCALE, ARG_MAX_PIXELS };
+enum { ARG_MAX, ARG_FAMILY, ARG_DIFF, ARG_SCALE, ARG_MAX_PIXELS };
+#define ALPHA_DEFAULT 0.01
 
 static const ArgDef args[] = {
     { "--max", "X", "exit with status 1 if sigma/mu is above X" },
+    { "--family", "ALPHA", "exit with status 1 if a tile differs, at this family-wise rate" },
     { "--diff", "FILE", "write a picture of the difference: red where A is brighter, blue darker" },
     { "--scale", "X", "factor of that picture; default 1" },
     { "--max-pixels", "N", "of an image; default 268435456" },
@@ -19,7 +21,7 @@ static const ArgDef args[] = {
 typedef struct {
     const char *file[2], *diff;
     int nfiles;
-    double max, scale;
+    double max, family, scale;          /* max, family below 0: not asked for */
     int64_t max_pixels;
 } Line;
 
@@ -28,6 +30,7 @@ static bool set(void *ctx, int k, const char *value)
     Line *l = ctx;
     switch (k) {
     case ARG_MAX:        return arg_number("--max", value, 0, 1e300, &l->max);
+    case ARG_FAMILY:     return arg_number("--family", value, 1e-12, 0.5, &l->family);
     case ARG_SCALE:      return arg_number("--scale", value, 0, 1e30, &l->scale);
     case ARG_MAX_PIXELS: return arg_int("--max-pixels", value, 1, (int64_t)1 << 40, &l->max_pixels);
     case ARG_DIFF:       l->diff = value; return image_format_for_writing(value) != NULL;
@@ -46,7 +49,7 @@ static void print(const char *name, double v)
     printf("%-14s %s\n", name, text);
 }
 
-static void print_difference(const ImageDifference *d)
+static void print_difference(const ImageDifference *d, const FamilyTest *f)
 {
     print("sigma/mu", d->sigma_over_mu);
     print("rmse", d->rmse);
@@ -62,6 +65,8 @@ static void print_difference(const ImageDifference *d)
            (unsigned long)d->z_max_at.y);
     print("z-mean", d->z_mean);
     print("tiles", (double)d->tiles);
+    print("tiles-differ", (double)f->differ);
+    print("family-p", f->p);
     print("not-finite", (double)(d->not_finite_a + d->not_finite_r));
 }
 
@@ -88,9 +93,10 @@ const Command command_compare = {
 
 static int run(int argc, char **argv)
 {
-    Line l = { { NULL, NULL }, NULL, 0, -1, 1, (int64_t)IMAGE_PIXELS_DEFAULT };
+    Line l = { { NULL, NULL }, NULL, 0, -1, -1, 1, (int64_t)IMAGE_PIXELS_DEFAULT };
     Image a = { 0 }, b = { 0 };
     ImageDifference d;
+    FamilyTest f;
     int status = STATUS_OK;
 
     if (!args_parse(&command_compare, argc, argv, set, &l))
@@ -101,9 +107,11 @@ static int run(int argc, char **argv)
     }
     if (image_read(&a, l.file[0], (uint64_t)l.max_pixels) &&
         image_read(&b, l.file[1], (uint64_t)l.max_pixels) &&
-        image_compare(&a, l.file[0], &b, l.file[1], &d)) {
-        print_difference(&d);
-        if (l.max >= 0 && !(d.sigma_over_mu <= l.max))
+        image_compare(&a, l.file[0], &b, l.file[1], &d) &&
+        image_family_test(&a, l.file[0], &b, l.file[1], l.family > 0 ? l.family : ALPHA_DEFAULT,
+                          &f)) {
+        print_difference(&d, &f);
+        if ((l.max >= 0 && !(d.sigma_over_mu <= l.max)) || (l.family > 0 && (f.differ || !f.tiles)))
             status = STATUS_DIFFERENT;
         if (l.diff && !write_difference(&l, &a, &b))
             status = failed_status();

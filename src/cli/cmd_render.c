@@ -3,11 +3,11 @@
 #include "base/number.h"
 #include "base/work.h"
 #include "cli/args.h"
+#include "cli/interrupt.h"
 #include "render/render.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_ACCEL, ARG_SAMPLER, ARG_FILTER, ARG_SPP, ARG_TIME, ARG_ERROR,
@@ -48,6 +48,7 @@ typedef struct {
     RenderRequest request;
     ReadLimits limits;
     Display display;
+    const volatile sig_atomic_t *stop;
 } Line;
 
 static bool set_aov(Line *l, const char *value)
@@ -124,29 +125,6 @@ static bool set(void *ctx, int k, const char *value)
     case ARG_STRICT:     warnings_fatal(true); return true;
     default:             return set_number(l, k, value);
     }
-}
-
-/* ---- interrupts: the flag is all that a handler may touch ---- */
-
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int sig)
-{
-    (void)sig;
-    if (interrupted)
-        _exit(STATUS_INTERRUPTED);              /* asked twice: at once */
-    interrupted = 1;
-}
-
-static void catch_signals(void)
-{
-    struct sigaction a;
-    memset(&a, 0, sizeof a);
-    a.sa_handler = on_signal;
-    sigaction(SIGINT, &a, NULL);
-    sigaction(SIGTERM, &a, NULL);
-    a.sa_handler = SIG_IGN;                     /* a closed pipe is an error of writing */
-    sigaction(SIGPIPE, &a, NULL);
 }
 
 /* ---- output ---- */
@@ -241,18 +219,6 @@ static bool choose_output(Line *l, SceneFile *f)
     return true;
 }
 
-static bool ensure_camera(SceneFile *f)
-{
-    Scene *scene = f->scene;
-
-    if (f->bare)
-        return scene_frame(scene);
-    if (scene->camera)
-        return true;
-    return warn_at((Place){ NULL, 0, 0 }, "the scene has no camera; one that frames it is used") &&
-           scene_frame_camera(scene);
-}
-
 static bool render_scene(Line *l, SceneFile *f, int *status)
 {
     RenderSettings s;
@@ -262,10 +228,10 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
     char t[32];
     bool ok;
 
-    if (!settings_resolve(&s, &l->request, f) || !ensure_camera(f) || !choose_output(l, f) ||
+    if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
         !outputs_possible(l, &s))
         return false;
-    s.stop = &interrupted;
+    s.stop = l->stop;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
     note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
@@ -299,7 +265,6 @@ static int run(int argc, char **argv)
 
     l.limits = limits;
     l.request.threads = processors();
-    interrupted = 0;
     if (!args_parse(&command_render, argc, argv, set, &l))
         return failed_status();
     if (!l.scene) {
@@ -307,7 +272,7 @@ static int run(int argc, char **argv)
         return STATUS_USAGE;
     }
     l.request.max_pixels = l.limits.max_pixels;
-    catch_signals();
+    l.stop = interrupts_catch();
     if (!scenefile_read(&f, l.scene, &l.limits))
         return failed_status();
     ok = render_scene(&l, &f, &status);

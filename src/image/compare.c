@@ -1,11 +1,16 @@
 /* compare.c -- image differences. See compare.h.
  *
  * Source      [Cline07]  4.6: colour difference (4.11), image difference (4.12), (4.13). The mean
- *             in (4.13) is that of the reference: the metric is not symmetric.
+ *             in (4.13) is that of the reference: the metric is not symmetric. 4.6.3: noise from
+ *             two renders (4.14), (4.15).
  * All sums run in double, row by row, so a result does not depend on the machine. */
 #include "image/compare.h"
 
+#include "base/mem.h"
+#include "base/statistics.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { TILE = 8 };
@@ -81,16 +86,32 @@ static void compare_pixels(ImageDifference *d, const Image *a, const Image *r)
 
 /* ---- the z-test ---- */
 
-/* z of the tile [x0, x1) x [y0, y1) into *z; false if fewer than two of its pixels are finite.
- * The standard error is never taken below the rounding of the floats themselves, so that a shift
- * without any noise gives a large number and not infinity. */
-static bool tile_z(const Image *a, const Image *r, uint32_t x0, uint32_t y0, uint32_t x1,
-                   uint32_t y1, double *z)
+typedef struct { uint32_t across, down; } Tiling;
+typedef struct { PixelPlace at; double n, z; } Tile;    /* n: pixels compared */
+
+static Tiling tiling_of(const Image *a)
 {
+    return (Tiling){ a->w < TILE ? 1 : a->w / TILE, a->h < TILE ? 1 : a->h / TILE };
+}
+
+/* Where tile k of a side with `n` pixels begins; the last one takes the rest. */
+static uint32_t tile_begin(uint32_t k, uint32_t tiles, uint32_t n)
+{
+    return k < tiles ? k * TILE : n;
+}
+
+/* Tile k, row by row. False: fewer than two of its pixels are finite. The standard error is never
+ * taken below the rounding of the floats themselves, so that a shift without any noise gives a
+ * large number and not infinity. */
+static bool tile_test(const Image *a, const Image *r, Tiling all, uint64_t k, Tile *t)
+{
+    uint32_t i = (uint32_t)(k % all.across), j = (uint32_t)(k / all.across);
+    uint32_t x1 = tile_begin(i + 1, all.across, a->w), y1 = tile_begin(j + 1, all.down, a->h);
     double n = 0, mean = 0, scatter = 0, level = 0, error, least;
 
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++) {
+    t->at = (PixelPlace){ tile_begin(i, all.across, a->w), tile_begin(j, all.down, a->h) };
+    for (uint32_t y = t->at.y; y < y1; y++)
+        for (uint32_t x = t->at.x; x < x1; x++) {
             Rgb ca = *image_at(a, x, y), cr = *image_at(r, x, y);
             double v, step;
             if (!rgb_finite(ca) || !rgb_finite(cr))
@@ -102,39 +123,81 @@ static bool tile_z(const Image *a, const Image *r, uint32_t x0, uint32_t y0, uin
             scatter += step * (v - mean);
             level += fabs(luminance(ca)) + fabs(luminance(cr));
         }
+    t->n = n;
     if (n < 2)
         return false;
     error = sqrt(scatter / (n - 1) / n);
     least = FLOAT_ULP * level / n;
-    *z = ratio_of(mean, error > least ? error : least);
+    t->z = ratio_of(mean, error > least ? error : least);
     return true;
-}
-
-/* Where tile k of a side with `n` pixels begins; the last one takes the rest. */
-static uint32_t tile_begin(uint32_t k, uint32_t tiles, uint32_t n)
-{
-    return k < tiles ? k * TILE : n;
 }
 
 static void compare_tiles(ImageDifference *d, const Image *a, const Image *r)
 {
-    uint32_t across = a->w < TILE ? 1 : a->w / TILE, down = a->h < TILE ? 1 : a->h / TILE;
-    double sum = 0, z;
+    Tiling all = tiling_of(a);
+    double sum = 0;
+    Tile t;
 
-    for (uint32_t j = 0; j < down; j++)
-        for (uint32_t i = 0; i < across; i++) {
-            uint32_t x = tile_begin(i, across, a->w), y = tile_begin(j, down, a->h);
-            if (!tile_z(a, r, x, y, tile_begin(i + 1, across, a->w),
-                        tile_begin(j + 1, down, a->h), &z))
-                continue;
-            d->tiles++;
-            sum += z;
-            if (fabs(z) > fabs(d->z_max)) {
-                d->z_max = z;
-                d->z_max_at = (PixelPlace){ x, y };
-            }
+    for (uint64_t k = 0; k < (uint64_t)all.across * all.down; k++) {
+        if (!tile_test(a, r, all, k, &t))
+            continue;
+        d->tiles++;
+        sum += t.z;
+        if (fabs(t.z) > fabs(d->z_max)) {
+            d->z_max = t.z;
+            d->z_max_at = t.at;
         }
+    }
     d->z_mean = d->tiles ? sum / (double)d->tiles : 0.0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* How many of the n claims "this tile does not differ" fall, p[] in order: the least falls if it
+ * would be rare among n, the next if rare among n - 1, until one stands [Holm79]. */
+static uint64_t holm_steps(const double *p, uint64_t n, double alpha)
+{
+    uint64_t k = 0;
+    while (k < n && family_p(p[k], (double)(n - k)) <= alpha)
+        k++;
+    return k;
+}
+
+bool image_family_test(const Image *a, const char *name_a, const Image *r, const char *name_r,
+                       double alpha, FamilyTest *f)
+{
+    Tiling all = tiling_of(a);
+    uint64_t most = (uint64_t)all.across * all.down;
+    double *p;
+    Tile t;
+
+    *f = (FamilyTest){ 0 };
+    f->p = 1;
+    if (!same_size(a, name_a, r, name_r))
+        return false;
+    p = MEM_ARRAY(double, (size_t)most);
+    if (!p)
+        return false;
+    for (uint64_t k = 0; k < most; k++) {
+        if (!tile_test(a, r, all, k, &t))
+            continue;
+        p[f->tiles] = student_p(t.z, t.n - 1);
+        if (f->tiles == 0 || p[f->tiles] < f->p) {
+            f->p = p[f->tiles];
+            f->at = t.at;
+            f->z = t.z;
+        }
+        f->tiles++;
+    }
+    f->p = f->tiles ? family_p(f->p, (double)f->tiles) : 1;
+    qsort(p, (size_t)f->tiles, sizeof *p, by_size);
+    f->differ = holm_steps(p, f->tiles, alpha);
+    mem_free(p);
+    return true;
 }
 
 bool image_compare(const Image *a, const char *name_a, const Image *r, const char *name_r,
@@ -145,6 +208,44 @@ bool image_compare(const Image *a, const char *name_a, const Image *r, const cha
         return false;
     compare_pixels(d, a, r);
     compare_tiles(d, a, r);
+    return true;
+}
+
+/* ---- two renders and no reference ---- */
+
+bool image_noise(const Image *a, const char *name_a, const Image *b, const char *name_b,
+                 ImageNoise *e)
+{
+    size_t n = (size_t)a->w * a->h;
+    double sigma2 = 0, relative = 0;
+
+    *e = (ImageNoise){ 0, INFINITY, INFINITY, INFINITY, 0, 0 };
+    if (!same_size(a, name_a, b, name_b))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        Rgb ca = a->pixels[i], cb = b->pixels[i];
+        const double va[3] = { ca.r, ca.g, ca.b }, vb[3] = { cb.r, cb.g, cb.b };
+        double d[3], distance;
+        if (!rgb_finite(ca) || !rgb_finite(cb))
+            continue;
+        for (int c = 0; c < 3; c++) {
+            double m = 0.5 * (va[c] + vb[c]);
+            d[c] = fabs(va[c] - vb[c]);
+            relative += 0.5 * d[c] * d[c] / (m * m + 0.01);
+        }
+        distance = weighted(d[0], d[1], d[2]);
+        sigma2 += 0.5 * distance * distance;            /* [Cline07 (4.14)] */
+        e->mean_a += luminance(ca);
+        e->mean_b += luminance(cb);
+        e->pixels++;
+    }
+    if (!e->pixels)
+        return true;
+    e->mean_a /= (double)e->pixels;
+    e->mean_b /= (double)e->pixels;
+    e->sigma = sqrt(sigma2 / (double)e->pixels);        /* [Cline07 (4.15)] */
+    e->sigma_over_mu = ratio_of(e->sigma, fabs(0.5 * (e->mean_a + e->mean_b)));
+    e->relmse = relative / (3 * (double)e->pixels);
     return true;
 }
 

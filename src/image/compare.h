@@ -49,6 +49,58 @@ typedef struct {
 bool image_compare(const Image *a, const char *name_a, const Image *r, const char *name_r,
                    ImageDifference *d);
 
+/* The same tiles as one question: does any of them differ? Each z is turned into the chance p of
+ * such a z or a larger one, either way, by Student's t with its own degrees of freedom (tiles of
+ * the last column and row have more). The least p of T tiles becomes the chance that T tiles which
+ * do not differ would give so small a one, 1 - (1 - p)^T [Sidak67]; tiles whose claim falls at
+ * alpha are counted by Holm's steps, each with that formula for the tiles that are left [Holm79].
+ *
+ * What it says: if nothing differs, and the noise is as below, the test finds that something does
+ * in no more than the fraction alpha of all pairs of images; this holds however many tiles there
+ * are, and for any set of them that differ, of the others. If the images share the noise of no
+ * pixel, tiles are independent, and the rate is alpha itself for normal noise.
+ *
+ * What it cannot say: all that the z-test cannot, see above. Moreover Student's t is exact for
+ * normal noise only, and p of one in T tiles asks for its far tail. Two renders with equally many
+ * samples have a symmetric difference, and rare bright pixels then make the test find less than it
+ * may: 0.3 to 1 times alpha for exponential noise. Against a reference with little noise of its
+ * own the difference is skewed like the method's noise, and the test finds differences that are
+ * none: of 256 tiles at alpha 0.01 in 26 % of pairs for exponential noise, in 2 % for the mean of
+ * 16 such samples, at the stated rate from 64 on. So compare like with like, or pictures of many
+ * samples. That no tile differs does not prove the images equal: a shift of all pixels of one tile
+ * by s standard deviations moves its z by 8 s, and is found if 8 s is above about 6. */
+typedef struct {
+    uint64_t tiles;                     /* with two or more pixels compared */
+    uint64_t differ;                    /* of these, at alpha */
+    double   p;                         /* of the whole family; 1 without any tile */
+    double   z;                         /* of the tile with the least p, and where it begins */
+    PixelPlace at;
+} FamilyTest;
+
+/* False, reported: the sizes differ, or memory ran out. 0 < alpha < 1. */
+bool image_family_test(const Image *a, const char *name_a, const Image *r, const char *name_r,
+                       double alpha, FamilyTest *f);
+
+/* Noise without a reference: a and b are renders of one picture, with equal budgets and independent
+ * samples. Then E|a - b|^2 is the sum of the two variances, and half of it that of either
+ * [Cline07 (4.14), (4.15)]; the mean of both pictures has half of that again. Exact for grey noise.
+ * The distance of colours adds |d| of channels, and of a product |d_r| |d_g| the expectation need
+ * not double with the variance: for noise of independent channels the estimate of sigma^2 is 1.00
+ * of the true one if it is normal, 0.91 if it is 5 % of bright spots. What both images have in
+ * common, a bias for one, is not seen. Pixels that are not finite are left out. */
+typedef struct {
+    uint64_t pixels;                    /* compared; 0: the errors are infinite */
+    double   sigma;                     /* of either image */
+    double   sigma_over_mu;             /* over the mean of both */
+    double   relmse;                    /* of either, over (m^2 + 0.01), m the mean of both: far too
+                                         * small if the noise is as large as the picture */
+    double   mean_a, mean_b;            /* of |a|, |b| */
+} ImageNoise;
+
+/* False, reported: the sizes differ. */
+bool image_noise(const Image *a, const char *name_a, const Image *b, const char *name_b,
+                 ImageNoise *e);
+
 typedef enum {
     DIFFERENCE_SIGNED,          /* |a| - |r|: red where a is brighter, blue where it is darker */
     DIFFERENCE_ABSOLUTE         /* |a - r| of each channel */

@@ -34,9 +34,12 @@ typedef struct {
     uint32_t     pass;
     int          phase;
     uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
+    uint64_t     first_unit;            /* those before it are done */
+    int          looked_spp, looked_seconds;    /* entries of the watch that are behind */
+    bool         paused;                /* somebody wants to look */
     uint64_t    *rays_seen;             /* of each worker, in `rays` already */
     Progress     progress;
-    double       start;
+    double       start, cpu;            /* clocks at the start, later by what looking took */
     bool         ended;                 /* a budget or an interrupt ended it early */
 } Job;
 
@@ -99,6 +102,7 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
     Job *j = ctx;
     Tracer *t = &j->tracers[worker];
 
+    unit += j->first_unit;
     if (j->adapts) {
         Taker taker = { camera_sample, is_late, j, t };
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
@@ -123,10 +127,56 @@ static double fraction_done(const Job *j, double pass_done)
     return f < 1 ? f : 1;
 }
 
+static void report_now(const Job *j, RenderReport *r)
+{
+    r->seconds = clock_wall() - j->start;
+    r->cpu_seconds = clock_cpu() - j->cpu;
+    r->samples = j->adapts ? adaptive_taken(&j->adaptive) : film_samples(j->film);
+    r->rays = j->rays;
+    r->spp = !j->integrator->kind->radiance
+                 ? j->first : (double)r->samples / ((double)j->film->w * j->film->h);
+    r->interrupted = j->settings->stop && *j->settings->stop;
+}
+
+/* Somebody wants to see what there is by now. */
+static bool time_to_look(const Job *j)
+{
+    const RenderWatch *w = j->settings->watch;
+    return w && j->looked_seconds < w->nseconds &&
+           clock_wall() - j->start >= w->seconds[j->looked_seconds];
+}
+
+static bool samples_to_look(const Job *j)
+{
+    const RenderWatch *w = j->settings->watch;
+    return w && j->looked_spp < w->nspp && j->first >= w->spp[j->looked_spp];
+}
+
+/* Between units, when no thread works. */
+static void look(Job *j)
+{
+    const RenderWatch *w = j->settings->watch;
+    double wall, cpu;
+    RenderReport r;
+
+    j->paused = false;
+    report_now(j, &r);
+    while (j->looked_seconds < w->nseconds && r.seconds >= w->seconds[j->looked_seconds])
+        j->looked_seconds++;
+    while (samples_to_look(j))
+        j->looked_spp++;
+    wall = clock_wall();
+    cpu = clock_cpu();
+    if (!w->look(w->ctx, j->film, &r))
+        j->ended = true;
+    j->start += clock_wall() - wall;
+    j->cpu += clock_cpu() - cpu;
+}
+
 static bool after_unit(void *ctx, uint64_t done, int worker)
 {
     Job *j = ctx;
-    double pass_done = (double)done / (double)j->phase_units;
+    double pass_done = (double)(j->first_unit + done) / (double)j->phase_units;
 
     j->rays += j->tracers[worker].rays - j->rays_seen[worker];
     j->rays_seen[worker] = j->tracers[worker].rays;
@@ -134,7 +184,9 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
                   j->rays);
     if (is_late(j))
         j->ended = true;
-    return !j->ended;
+    else if (j->pass && j->integrator->kind->radiance && time_to_look(j))
+        j->paused = true;
+    return !j->ended && !j->paused;
 }
 
 static void run_phase(Job *j)
@@ -146,7 +198,14 @@ static void run_phase(Job *j)
             : j->integrator->kind->radiance ? film_ntiles(j->film)
             : j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
     j->phase_units = w.units;
-    work_run(&w, j->settings->threads);
+    j->paused = false;
+    for (j->first_unit = 0; j->first_unit < j->phase_units && !j->ended;) {
+        w.units = j->phase_units - j->first_unit;
+        j->first_unit += work_run(&w, j->settings->threads);
+        if (j->paused && !j->ended && j->first_unit < j->phase_units)
+            look(j);
+    }
+    j->first_unit = 0;
 }
 
 /* Samples of the next pass: few at first, for an early picture, then twice as many as before. */
@@ -154,6 +213,10 @@ static uint32_t next_count(const Job *j)
 {
     uint32_t n = j->pass == 0 ? 1 : j->first < PASS_MOST ? j->first : PASS_MOST;
     uint32_t spp = j->settings->spp ? j->settings->spp : UINT32_MAX;
+    const RenderWatch *w = j->settings->watch;
+
+    if (w && j->looked_spp < w->nspp && w->spp[j->looked_spp] < spp)
+        spp = w->spp[j->looked_spp];
     return n < spp - j->first ? n : spp - j->first;
 }
 
@@ -187,6 +250,9 @@ static void run_passes(Job *j)
             run_phase(j);
         j->first += j->count;
         j->pass++;
+        j->paused = false;
+        if (!j->ended && (samples_to_look(j) || time_to_look(j)))
+            look(j);
         if (good_enough(j) || j->first == UINT32_MAX)
             break;
     }
@@ -305,7 +371,6 @@ static bool report_refused(const Film *f)
 bool render(const Scene *scene, const RenderSettings *settings, Film *film, RenderReport *report)
 {
     RenderSettings s = *settings;
-    double cpu;
     Job j;
     bool ok;
 
@@ -321,18 +386,14 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     ok = job_init(&j, &s.spp) && warn_if_dark(scene, j.integrator);
     if (ok) {
         progress_start(&j.progress);
-        cpu = clock_cpu();
+        j.cpu = clock_cpu();
         j.start = clock_wall();
         if (j.adapts)
             run_adaptive(&j);
         else
             run_passes(&j);
-        report->seconds = clock_wall() - j.start;
-        report->cpu_seconds = clock_cpu() - cpu;
+        report_now(&j, report);
         progress_end(&j.progress);
-        report->samples = j.adapts ? adaptive_taken(&j.adaptive) : film_samples(film);
-        report->rays = j.rays;
-        report->interrupted = s.stop && *s.stop;
         ok = report_refused(film);
     }
     job_clear(&j);

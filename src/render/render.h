@@ -36,6 +36,27 @@ void aov_display(const Aov *a, Image *im);
 enum { OUTPUTS_MAX = 8, AOVS_MAX = 16 };
 
 typedef struct {
+    double   seconds, cpu_seconds;      /* of rendering alone */
+    uint64_t samples, rays;
+    double   spp;                       /* samples a pixel: their mean; of whole passes, if the
+                                         * integrator does not give radiance along a ray */
+    bool     interrupted;
+} RenderReport;
+
+/* Somebody who looks at the picture while it is made, at whole passes after which each pixel has
+ * spp[k] samples, and (from the first whole pass on, and within a pass only if the integrator gives
+ * radiance along a ray) when seconds[k] of rendering have passed: some tiles then have had samples
+ * that others have not yet had. What `look` takes itself is not counted as rendering. Both lists
+ * rise and are borrowed. */
+typedef struct {
+    void *ctx;
+    bool (*look)(void *ctx, const Film *film, const RenderReport *so_far);    /* false: end */
+    const uint32_t *spp;
+    const double   *seconds;
+    int nspp, nseconds;
+} RenderWatch;
+
+typedef struct {
     const IntegratorKind *integrator;   Opts integrator_opts;
     const SamplerKind    *sampler;      Opts sampler_opts;
     const FilterKind     *filter;       Opts filter_opts;
@@ -51,6 +72,7 @@ typedef struct {
     Aov      aovs[AOVS_MAX];
     int      naovs;
     const volatile sig_atomic_t *stop;  /* nonzero: end soon; NULL: nobody asks */
+    const RenderWatch *watch;           /* NULL: nobody looks */
 } RenderSettings;
 
 /* What the command line asked for, as text; NULL or 0 where it said nothing. */
@@ -68,14 +90,10 @@ typedef struct {
 
 /* Command line before scene file before defaults. Fills the camera's film size. False: reported. */
 bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f);
+/* Sees to it that the scene has a camera (a bare mesh gets a sky too). False: reported. */
+bool settings_camera(SceneFile *f);
 /* The file name that the scene gives for its picture, or NULL. Borrowed from f. */
 const char *settings_filename(const SceneFile *f);
-
-typedef struct {
-    double   seconds, cpu_seconds;      /* of rendering alone */
-    uint64_t samples, rays;
-    bool     interrupted;
-} RenderReport;
 
 /* Renders into *film, which it makes (layer 0: the picture; 1 + k: aov k). The scene must be
  * built. False: reported, *film empty. */

@@ -226,3 +226,13 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
             return false;
     return true;
 }
+
+bool settings_camera(SceneFile *f)
+{
+    if (f->bare)
+        return scene_frame(f->scene);
+    if (f->scene->camera)
+        return true;
+    return warn_at((Place){ NULL, 0, 0 }, "the scene has no camera; one that frames it is used") &&
+           scene_frame_camera(f->scene);
+}
