@@ -13,12 +13,11 @@
  *             Directions that the shading normal allows and the geometric one does not are black.
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
+#include "integrators/event.h"
 #include "integrators/vertex.h"
 #include "lightsampling/lightsampler.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
-
-enum { BORDERS_MOST = 65536 };          /* of media, between two events; a path beyond is lost */
 
 typedef struct {
     Integrator base;
@@ -87,39 +86,6 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
 
 /* ---- to the next event ---- */
 
-typedef enum { ESCAPES, ARRIVES, SCATTERS } Event;
-
-/* Where there are media: on through their borders, to a surface or to a scattering on the way,
- * whose place is then *p. */
-static Event fly(Eye *e, Surface *s, V3 *p, Tracer *t)
-{
-    const Scene *scene = t->scene;
-    Flight f;
-
-    flight_start(&f, e->throughput, sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)));
-    for (int n = 0; n < BORDERS_MOST; n++) {
-        float at;
-        Hit h;
-        Rgb weight;
-        Met met = scene_meets(scene, &e->ray, true, &h, s);
-        t->rays++;
-        if (e->medium != NO_MEDIUM &&
-            flight_scatters(&f, &scene->media[e->medium], h.t, &at, &weight)) {
-            *p = v_mad(e->ray.d, at, e->ray.o);
-            e->throughput = rgb_mul(e->throughput, weight);
-            return SCATTERS;
-        }
-        if (met != MET_BORDER) {
-            e->throughput = rgb_mul(e->throughput, flight_arrives(&f));
-            return met == MET_SURFACE ? ARRIVES : ESCAPES;
-        }
-        e->medium = medium_beyond(s, e->ray.d, e->medium);
-        e->ray.o = ray_origin(s->p, s->err, s->ng, e->ray.d);
-    }
-    e->throughput = rgb_all(0.0f);
-    return ESCAPES;
-}
-
 /* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
  * all paths see textures sharp: what they find there must not depend on how they came. */
 static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
@@ -128,7 +94,9 @@ static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
     Hit h;
 
     if (UNLIKELY(t->scene->nmedia))
-        event = fly(e, s, p, t);
+        event = ray_flies(t, &e->ray, &e->medium,
+                          sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)),
+                          &e->throughput, s, p);
     else if (tracer_nearest(t, &e->ray, &h))
         accel_surface(t->scene->accel, &e->ray, &h, s);
     else
@@ -150,8 +118,8 @@ typedef struct {
     uint32_t medium;            /* that the ray starts in */
 } Connection;
 
-/* A direction to one light from p, whose normal n is 0 in a medium. *pdf: that of having chosen
- * this light and this direction. NULL: none. */
+/* A direction to one light from p; n as light samplers take it. *pdf: that of having chosen this
+ * light and this direction. NULL: none. */
 INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Tracer *t,
                                   LightSample *ls, float *pdf)
 {
@@ -172,7 +140,7 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
 {
     LightSample ls;
     float weight = 1.0f, pdf;
-    const Light *l = towards_light(it, e, v->s.p, v->s.ns, t, &ls, &pdf);
+    const Light *l = towards_light(it, e, v->s.p, vertex_up(v), t, &ls, &pdf);
     Rgb f_cos;
     V3 local;
 
@@ -243,7 +211,7 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
         return false;
     e->ray = vertex_ray(v, bs.wi);
     e->p = v->s.p;
-    e->n = v->s.ns;
+    e->n = vertex_up(v);
     e->pdf_w = bs.pdf_w;
     if (bs.flags & BSDF_SMOOTH)
         e->way = -1.0f;
@@ -361,7 +329,7 @@ static const OptDef options[] = {
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
-      .choices = "power uniform", .also = "lightsamplestrategy", .help = "how a light is chosen" },
+      .choices = "power uniform contribution", .also = "lightsamplestrategy", .help = "how a light is chosen" },
     { .key = NULL }
 };
 

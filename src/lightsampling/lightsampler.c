@@ -3,7 +3,8 @@
 
 #define LIGHTSAMPLERS(X)                                                       \
     X(power)                    /* in proportion to power */                   \
-    X(uniform)                  /* all alike */
+    X(uniform)                  /* all alike */                               \
+    X(contribution)             /* by what they would bring to the point */
 #define DECLARE(name) extern const LightSamplerKind lightsampler_##name;
 #define ENTRY(name) &lightsampler_##name,
 LIGHTSAMPLERS(DECLARE)

@@ -28,6 +28,8 @@ typedef struct {
     Table triangles;            /* owned; if there are any: by area */
     V3   *normals;              /* owned; of each triangle, by the order of its corners */
     float power_wanted;         /* by luminance; 0: L is as given */
+    V3    centre, axis;         /* of a ball around it; its one normal if it is flat, else 0 */
+    float radius, lum;          /* of the ball; mean luminance along the normal */
 } Area;
 
 static const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
@@ -105,6 +107,103 @@ static Rgb power(const Light *base)
     return base->textured ? rgb_mul(p, texture_mean(&l->picture)) : p;
 }
 
+/* ---- for choosing ---- */
+
+static const float FLAT_COSINE = 0.9999f;       /* of two normals of a flat lamp, at least */
+
+static Box box_of_lamp(const Area *l, const Shape *s, uint32_t n)
+{
+    Box b = box_empty();
+
+    for (uint32_t i = 0; i < n; i++) {
+        V3 c[3];
+        geometry_face(geometry_of(l), lamp_triangle(s, i), c);
+        for (int k = 0; k < 3; k++)
+            b = box_point(b, c[k]);
+    }
+    return b;
+}
+
+/* All triangles in one plane and turned the same way? Not if the file's normals say which side
+ * shines. */
+static bool is_flat(const Area *l, const Shape *s, uint32_t n)
+{
+    if (!n || s->n || s->kind != SHAPE_MESH)
+        return false;
+    for (uint32_t i = 0; i < n; i++) {
+        V3 c[3];
+        geometry_face(geometry_of(l), lamp_triangle(s, i), c);
+        if (!(v_dot(l->normals[i], l->normals[0]) >= FLAT_COSINE))
+            return false;
+        for (int k = 0; k < 3; k++)
+            if (fabsf(v_dot(l->normals[0], v_sub(c[k], l->centre))) > 0.01f * l->radius)
+                return false;
+    }
+    return true;
+}
+
+static void set_ball(Area *l, const Shape *s)
+{
+    uint32_t n = 0;
+    Box b = box_empty();
+
+    l->axis = v_all(0.0f);
+    if (s->kind == SHAPE_MESH || s->kind == SHAPE_TESSELLATION) {
+        n = s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
+        b = box_of_lamp(l, s, n);
+    } else if (s->kind == SHAPE_SPHERE)
+        b = sphere_box(&s->as.sphere);
+    else if (s->kind == SHAPE_DISK)
+        b = disk_box(&s->as.disk);
+    if (box_is_empty(b))
+        b.lo = b.hi = v_all(0.0f);
+    l->centre = box_centre(b);
+    l->radius = v_len(v_sub(b.hi, l->centre)) * (1.0f + ROUNDINGS(8));
+    if (s->kind == SHAPE_SPHERE && s->as.sphere.whole)
+        l->radius = s->as.sphere.radius * (1.0f + ROUNDINGS(8));
+    if (s->kind == SHAPE_DISK)
+        l->axis = s->flip ? v_neg(s->as.disk.frame.n) : s->as.disk.frame.n;
+    else if (is_flat(l, s, n))
+        l->axis = s->flip ? v_neg(l->normals[0]) : l->normals[0];
+    l->lum = rgb_lum(l->L) * (l->base.textured ? rgb_lum(texture_mean(&l->picture)) : 1.0f);
+}
+
+/* Area that a flat lamp shows the point, with its focus; a body shows a quarter of its surface, as
+ * convex ones do. What is flat but for a hundredth may show a little where its plane does not: by
+ * at most 0.01 radius / d + 0.0142 (1 + radius / d), the latter for FLAT_COSINE. */
+static float shown_area(const Area *l, V3 to)
+{
+    float c, d = v_len(to), play;
+
+    if (v_len2(l->axis) == 0.0f)
+        return 0.25f * l->area;
+    if (d <= l->radius)
+        c = l->two_sided || v_dot(l->axis, to) < 0.05f * l->radius ? 1.0f : 0.0f;
+    else {
+        play = 0.03f * (1.0f + l->radius / d);
+        c = -v_dot(l->axis, to) / d;
+        if (l->two_sided)
+            c = fabsf(c);
+        c = c >= play ? c : c <= -play ? 0.0f : f_sqr(c + play) / (4.0f * play);
+    }
+    if (c > 0.0f && l->exponent > 0.0f)
+        c = f_max(c * m_pow(f_min(c + l->radius / f_max(d, l->radius), 1.0f), l->exponent),
+                  1e-12f);
+    return l->area * c;
+}
+
+/* Of a disc that faces the point, exactly, from its axis: pi L R^2 / (d^2 + R^2). */
+static float estimate(const Light *base, V3 p, V3 n)
+{
+    const Area *l = (const Area *)base;
+    V3 to = v_sub(l->centre, p);
+    float a = shown_area(l, to), full = l->area * (v_len2(l->axis) == 0.0f ? 0.25f : 1.0f);
+
+    if (!(a > 0.0f))
+        return 0.0f;
+    return l->lum * a * estimate_cosine(n, to, l->radius) / (v_len2(to) + INV_PI * full);
+}
+
 static bool prepare(Light *base, const Scene *scene)
 {
     Area *l = (Area *)base;
@@ -129,6 +228,7 @@ static bool prepare(Light *base, const Scene *scene)
         break;
     }
     l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
+    set_ball(l, s);
     return true;
 }
 
@@ -354,12 +454,15 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
     float d2, cosine;
     V3 d;
 
+    cosine = -v_dot(hit->ng, wi);                       /* above 0: the front is met */
     if (shape->kind == SHAPE_SPHERE) {
         float h = cone_height(l, &shape->as.sphere, from, &d, &d2);
-        if (h > 0.0f)
-            return warp_cone_pdf(h);
+        if (h > 0.0f)                                   /* of points that face us, see near_point */
+            return shape->flip == (cosine < 0.0f) && (l->two_sided || !shape->flip)
+                       ? warp_cone_pdf(h) : 0.0f;
     }
-    cosine = v_absdot(hit->ng, wi);
+    if (l->two_sided)
+        cosine = fabsf(cosine);
     d2 = v_len2(v_sub(hit->p, from));
     return cosine > 0.0f && l->area > 0.0f ? d2 / (cosine * l->area) : 0.0f;
 }
@@ -453,5 +556,6 @@ const LightKind light_diffuse = {
     .info = { "diffuse", "Cline07 4.4.2; Shirley96; GIRT B",
               "a shape that shines (AreaLightSource)", options },
     .make = make, .prepare = prepare, .clear = clear, .sample = sample, .pdf_w = pdf_w,
-    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .estimate = estimate
 };

@@ -145,6 +145,16 @@ static Rgb power(const Light *base)
     return rgb_scale(l->mean, 4.0f * PI_F * PI_F * l->stage.radius * l->stage.radius);
 }
 
+static float estimate(const Light *base, V3 p, V3 n)
+{
+    const Infinite *l = (const Infinite *)base;
+
+    (void)p;
+    if (!l->image)
+        return uniform_estimate(rgb_lum(l->L), n);
+    return rgb_lum(l->L) * panorama_estimate(&l->picture, affine_vector(&l->to_light, n));
+}
+
 /* ---- the sky of a bare mesh ---- */
 
 enum { STUDIO_W = 512, STUDIO_H = 256 };        /* fine enough that no steps show */
@@ -197,5 +207,6 @@ const LightKind light_infinite = {
     .info = { "infinite", "Cline07 4.4.2; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
+    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .estimate = estimate
 };

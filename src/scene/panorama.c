@@ -241,10 +241,30 @@ static double cell_measure(const Panorama *p, uint32_t x, uint32_t y)
     return md_sin(PI * (y + 0.5) / h);
 }
 
+/* Cells of a row go by runs, whose directions are that of their middle: at most 256 of them. */
+static V3 moment_of_row(const Panorama *p, const float *weight, uint32_t y)
+{
+    uint32_t w = width(p), step = 1 + (w - 1) / 256;
+    V3 sum = v_all(0.0f);
+    float jacobian;
+
+    for (uint32_t x = 0; x < w; x += step) {
+        uint32_t end = x + step < w ? x + step : w;
+        V2 q = { 0.5f * (float)(x + end) / (float)w, ((float)y + 0.5f) / (float)height(p) };
+        V3 d = mapping_direction(&p->mapping, q, &jacobian);
+        float run = 0.0f;
+        for (uint32_t i = x; i < end; i++)
+            run += weight[i];
+        sum = v_mad(d, run, sum);
+    }
+    return sum;
+}
+
 bool panorama_init(Panorama *p, const Image *image, Mapping m)
 {
-    double sum[3] = { 0, 0, 0 }, all = 0;
+    double sum[3] = { 0, 0, 0 }, moment[3] = { 0, 0, 0 }, all = 0;
     float *weight;
+    V3 row_moment;
     bool ok;
 
     p->image = image;
@@ -263,7 +283,12 @@ bool panorama_init(Panorama *p, const Image *image, Mapping m)
             sum[2] += c.b * measure;
             all += measure;
         }
+        row_moment = moment_of_row(p, weight + (size_t)y * width(p), y);
+        moment[0] += row_moment.x;
+        moment[1] += row_moment.y;
+        moment[2] += row_moment.z;
     }
+    p->moment = v3((float)(moment[0] / all), (float)(moment[1] / all), (float)(moment[2] / all));
     p->mean = rgb((float)(sum[0] / all), (float)(sum[1] / all), (float)(sum[2] / all));
     ok = table2_init(&p->table, weight, width(p), height(p));
     mem_free(weight);
@@ -329,4 +354,12 @@ double panorama_upward(const Panorama *p)
             sum += (double)rgb_lum(cell(p, x / nx, y / ny)) * jacobian * d_max(0.0, d.z);
         }
     return sum / ((double)w * h);
+}
+
+float uniform_estimate(float lum, V3 n) { return (v_len2(n) > 0.0f ? PI_F : 4.0f * PI_F) * lum; }
+
+float panorama_estimate(const Panorama *p, V3 n)
+{
+    float lum = rgb_lum(p->mean), flat = uniform_estimate(lum, n);
+    return f_max(flat + 2.0f * PI_F * v_dot(p->moment, n), 0.05f * flat);
 }

@@ -51,6 +51,7 @@ typedef struct {
     const Image *image;         /* borrowed; NULL: white, and the picture is one cell */
     Table2 table;               /* owned */
     Rgb    mean;                /* over the solid angle */
+    V3     moment;              /* mean of luminance times direction */
 } Panorama;
 
 bool  panorama_init(Panorama *p, const Image *image, Mapping m);        /* false: memory */
@@ -58,6 +59,11 @@ void  panorama_clear(Panorama *p);
 Rgb   panorama_at(const Panorama *p, V3 d);
 float panorama_pdf_w(const Panorama *p, V3 d);
 bool  panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
+/* A guess at the irradiance on a surface that looks along n, by luminance; n 0: from all round. The
+ * first two bands of spherical harmonics: pi mean + 2 pi moment.n [Ramamoorthi01], but at least a
+ * twentieth of what a uniform picture gave. */
+float panorama_estimate(const Panorama *p, V3 n);
+float uniform_estimate(float lum, V3 n);
 /* Integral of luminance times max(0, z): what falls on a surface that faces z. */
 double panorama_upward(const Panorama *p);
 
