@@ -193,8 +193,8 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
     it->lightsamples = (int)opt_int(o, "lightsamples");
     it->bsdfsamples = (int)opt_int(o, "bsdfsamples");
     it->tolerance = opt_float(o, "tolerance");
-    if (lighting_init(&it->lighting, s, o)) {
-        it->lighting.directions = opt_is(o, "occlusion", "directions");
+    if (lighting_init(&it->lighting, s, o, opt_is(o, "strategy", "ris"),
+                      opt_is(o, "occlusion", "directions"))) {
         if (choose_strategy(it, o) && (!it->strategy->open || it->strategy->open(it, o)))
             return &it->base;
     }

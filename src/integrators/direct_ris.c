@@ -6,7 +6,6 @@ static bool open_ris(Direct *it, const Opts *o)
 {
     it->resampling = resampling_of((int)opt_int(o, "tentative"), (int)opt_int(o, "samples"),
                                    opt_float(o, "lightshare"));
-    it->lighting.tentative = true;
     return true;
 }
 

@@ -5,7 +5,8 @@
 #include "integrators/event.h"
 #include "sampling/warp.h"
 
-bool lighting_init(Lighting *it, const Scene *s, const Opts *o)
+bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
+                   bool directions)
 {
     const LightSamplerKind *k = kind_find(lightsamplers, opt_string(o, "lightsampler"));
     Opts none;
@@ -18,7 +19,10 @@ bool lighting_init(Lighting *it, const Scene *s, const Opts *o)
     if (!it->lights)
         return false;
     it->lights->kind = k;
-    if (!shining_init(&it->shining, s)) {
+    it->tentative = tentative;
+    it->directions = directions;
+    it->shining.none = true;
+    if ((tentative || directions) && !shining_init(&it->shining, s)) {
         k->close(it->lights);
         it->lights = NULL;
         return false;

@@ -27,7 +27,8 @@ typedef struct {
                                  * there, as if there were nothing else */
 } Lighting;
 
-bool lighting_init(Lighting *it, const Scene *s, const Opts *o);        /* false: reported */
+/* By the options `lightsampler` and `heuristic`. False: reported. */
+bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative, bool directions);
 void lighting_clear(Lighting *it);
 /* Warns that the strategy cannot find delta lights, if there are any. False: warnings are fatal. */
 bool lighting_warn_of_deltas(const Scene *s, const char *strategy);

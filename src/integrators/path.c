@@ -4,7 +4,9 @@
  * Idea        An eye path grows by sampling the BSDF. At each vertex it may be completed in two
  *             ways: implicitly, by meeting a light, and explicitly, by a connection to a sampled
  *             point of one. Each path that both ways can make is weighted by the heuristic on the
- *             two densities per solid angle, so that the weights of a path sum to 1.
+ *             two densities per solid angle, so that the weights of a path sum to 1. Or one
+ *             connection is kept of many candidates by both ways, see resample.c, and implicit
+ *             paths count only where there was none to make: after delta events.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -14,18 +16,20 @@
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
 #include "integrators/event.h"
-#include "integrators/vertex.h"
-#include "lightsampling/lightsampler.h"
+#include "integrators/lighting.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
 
 typedef struct {
     Integrator base;
-    LightSampler *lights;       /* owned */
+    LightSampler *lights;       /* owned by `lighting` */
+    Lighting lighting;          /* owned */
     Ways  ways;
     bool  power;                /* power heuristic; else balance */
     int   maxdepth;             /* most vertices between eye and light */
     int   roulette;             /* first bounce that may end the path */
+    bool  resamples;            /* explicit paths are resampled: */
+    Resampling resampling;
 } Path;
 
 /* The path so far: what the next vertex needs to know of the last one. */
@@ -116,6 +120,7 @@ typedef struct {
     Rgb  c;
     int  edges;
     uint32_t medium;            /* that the ray starts in */
+    bool known;                 /* that nothing does */
 } Connection;
 
 /* A direction to one light from p; n as light samplers take it. *pdf: that of having chosen this
@@ -178,6 +183,45 @@ static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Con
     return true;
 }
 
+/* By one of many candidates. Those by the BSDF stand for implicit paths, which count only after
+ * delta events then, as for strategy=explicit. */
+static bool connect_resampled(const Path *it, const Eye *e, const Turn *u, Tracer *t,
+                              Connection *to)
+{
+    Candidate c;
+
+    if (!resample_one(&it->lighting, &it->resampling, u, t, &c))
+        return false;
+    to->c = rgb_mul(e->throughput, c.c);
+    to->ray = c.ray;
+    to->edges = e->depth + 2;
+    to->medium = c.medium;
+    to->known = c.known;
+    return true;
+}
+
+static bool connect_any(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Connection *to)
+{
+    Turn u;
+
+    to->known = false;
+    if (LIKELY(!it->resamples))
+        return connect(it, e, v, t, to);
+    u = turn_on(v, e->ray.d, e->medium, e->depth);
+    return connect_resampled(it, e, &u, t, to);
+}
+
+static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Connection *to)
+{
+    Turn u;
+
+    to->known = false;
+    if (LIKELY(!it->resamples))
+        return connect_in_medium(it, e, p, t, to);
+    u = turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    return connect_resampled(it, e, &u, t, to);
+}
+
 /* ---- implicit paths ---- */
 
 /* One scattering event more. False: roulette ends the path. */
@@ -237,7 +281,7 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
 /* Light that the connection brings. */
 static Rgb connection_light(Connection *to, Tracer *t)
 {
-    if (!tracer_passes(t, &to->ray, to->medium, &to->c))
+    if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
         return rgb_all(0.0f);
     tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
     return to->c;
@@ -265,10 +309,11 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         /* Both decisions first, then the rays: the processor works on the two side by side. */
         if (event == ARRIVES) {
             vertex_make(&v, scene, e.ray.d);
-            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) && connect(it, &e, &v, t, &to);
+            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
+                       connect_any(it, &e, &v, t, &to);
             goes_on = scatter(it, &e, &v, t);
         } else {
-            connects = it->ways != IMPLICIT && connect_in_medium(it, &e, p, t, &to);
+            connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
             goes_on = scatter_in_medium(it, &e, p, t);
         }
         if (connects)
@@ -280,56 +325,50 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
 static void close_path(Integrator *base)
 {
-    Path *it = (Path *)base;
-    if (it->lights)
-        it->lights->kind->close(it->lights);
-    mem_free(it);
+    lighting_clear(&((Path *)base)->lighting);
+    mem_free(base);
 }
 
 static Integrator *open_path(const Scene *s, const Opts *o)
 {
-    const LightSamplerKind *lk = kind_find(lightsamplers, opt_string(o, "lightsampler"));
     Path *it = MEM_NEW(Path);
-    Opts none;
 
     if (!it)
         return NULL;
     it->base.scene = s;
+    it->resamples = opt_is(o, "strategy", "ris");
     it->ways = opt_is(o, "strategy", "implicit") ? IMPLICIT
-               : opt_is(o, "strategy", "explicit") ? EXPLICIT : MIS;
+               : opt_is(o, "strategy", "explicit") || it->resamples ? EXPLICIT : MIS;
     it->power = opt_is(o, "heuristic", "power");
     it->maxdepth = (int)opt_int(o, "maxdepth");
     it->roulette = (int)opt_int(o, "roulette");
-    opts_default(&none, lk->info.options);
-    it->lights = lk->open(s, &none);
-    if (!it->lights) {
+    it->resampling = resampling_of((int)opt_int(o, "tentative"), 1, opt_float(o, "lightshare"));
+    if (!lighting_init(&it->lighting, s, o, it->resamples, false)) {
         mem_free(it);
         return NULL;
     }
-    it->lights->kind = lk;
-    for (size_t i = 0; it->ways == IMPLICIT && i < s->nlights; i++)
-        if (s->lights[i]->kind->delta) {
-            if (!warn_at(s->lights[i]->at, "strategy=implicit cannot find %s lights",
-                         s->lights[i]->kind->info.name)) {
-                close_path(&it->base);
-                return NULL;
-            }
-            break;
-        }
+    it->lights = it->lighting.lights;
+    if (it->ways == IMPLICIT && !lighting_warn_of_deltas(s, "implicit")) {
+        close_path(&it->base);
+        return NULL;
+    }
     return &it->base;
 }
 
 static const OptDef options[] = {
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis",
-      .help = "how paths are completed: by meeting lights, by asking for them, by both" },
-    { .key = "heuristic", .type = OPT_CHOICE, .str = "power", .choices = "power balance",
-      .help = "weights of paths that both ways can make" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris",
+      .help = "how paths are completed: by meeting lights, by asking for them, by both, or by one "
+              "of many candidates" },
+    LIGHTING_HEURISTIC,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
-    { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
-      .choices = "power uniform contribution", .also = "lightsamplestrategy", .help = "how a light is chosen" },
+    LIGHTING_LIGHTSAMPLER,
+    { .key = "tentative", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
+      .help = "strategy=ris: candidates without shadow rays, of which one is kept" },
+    { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
+      .help = "strategy=ris: part of the candidates that go by lights, the others by the surface" },
     { .key = NULL }
 };
 

@@ -94,7 +94,8 @@ Rgb resample(const Lighting *it, const Resampling *r, const Turn *u, Tracer *t)
     return light;
 }
 
-bool resample_one(const Lighting *it, const Resampling *r, const Turn *u, Tracer *t, Candidate *kept)
+bool resample_one(const Lighting *it, const Resampling *r, const Turn *u, Tracer *t,
+                  Candidate *kept)
 {
     Candidate c[TENTATIVE_MOST];
     int n = tentative(it, r, u, t, c), j = 0;

@@ -13,8 +13,9 @@ typedef struct {
     KindInfo info;
     LightSampler *(*open)(const Scene *s, const Opts *o);       /* NULL: reported */
     /* Picks by u in [0,1) for the point p, of which n is the normal on the side from which light is
-     * wanted (0: from all round, as in media and through surfaces that transmit); *pmf its probability, > 0. *left: what u
-     * still holds of chance, again in [0,1). NULL: no light is worth asking. */
+     * wanted (0: from all round, as in media and through surfaces that transmit); *pmf its
+     * probability, > 0. *left: what u still holds of chance, again in [0,1). NULL: no light is
+     * worth asking. */
     const Light *(*pick)(const LightSampler *ls, V3 p, V3 n, float u, float *pmf, float *left);
     float (*pmf)(const LightSampler *ls, V3 p, V3 n, const Light *l);
     void (*close)(LightSampler *ls);
