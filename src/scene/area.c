@@ -7,33 +7,13 @@
  * Sampling    Meshes and tessellations: a triangle by area, then a uniform point. Discs: uniform
  *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
  *             area.
+ *             With sampling=solidangle, lamps of few triangles: see area_solid.c.
  * Masks       Of a shape that lets a part of the rays pass, points shine by what is left of it
  *             there, as the rays do that meet it. Its far side shows through: no cones then.
  * Emission    A point uniform by area, a direction in proportion to cos^(exponent + 1).
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
-#include "sampling/table.h"
 #include "sampling/warp.h"
-#include "scene/scene.h"
-
-typedef struct {
-    Light base;
-    Rgb   L;
-    bool  two_sided;
-    float exponent;
-    Texture picture;            /* if base.textured */
-    const Texture *mask;        /* borrowed; opacity of the shape's material, or NULL */
-    const Scene *scene;         /* borrowed */
-    uint32_t geometry, shape;
-    float area;
-    Table triangles;            /* owned; if there are any: by area */
-    V3   *normals;              /* owned; of each triangle, by the order of its corners */
-    float power_wanted;         /* by luminance; 0: L is as given */
-    V3    centre, axis;         /* of a ball around it; its one normal if it is flat, else 0 */
-    float radius, lum;          /* of the ball; mean luminance along the normal */
-} Area;
-
-static const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
-static const Shape *shape_of(const Area *l) { return &geometry_of(l)->shapes[l->shape]; }
+#include "scene/area.h"
 
 static Light *make(const Making *m, const Opts *o)
 {
@@ -47,6 +27,7 @@ static Light *make(const Making *m, const Opts *o)
     l->two_sided = opt_bool(o, "twosided");
     l->power_wanted = opt_float(o, "power");
     l->exponent = opt_float(o, "exponent");
+    l->solid = opt_is(o, "sampling", "solidangle");
     if (opt_string(o, "filename")[0]) {
         l->base.textured = true;
         l->picture.kind = TEXTURE_IMAGE;
@@ -57,14 +38,6 @@ static Light *make(const Making *m, const Opts *o)
             return NULL;
     }
     return &l->base;
-}
-
-/* Triangle i of the lamp, whatever order an accelerator has put them into. */
-static uint32_t lamp_triangle(const Shape *s, size_t i)
-{
-    if (s->kind == SHAPE_TESSELLATION)
-        return s->as.tessellation->first_face + (uint32_t)i;
-    return s->first + (s->place ? s->place[i] : (uint32_t)i);
 }
 
 static double triangle_area(const Geometry *g, uint32_t prim)
@@ -93,6 +66,7 @@ static bool prepare_triangles(Area *l, const Shape *s)
         sum += a;
     }
     l->area = (float)sum;
+    l->solid = l->solid && n <= SOLID_MOST && !s->n ? n : 0;
     ok = table_init(&l->triangles, weight, n);
     mem_free(weight);
     return ok;
@@ -105,103 +79,6 @@ static Rgb power(const Light *base)
     float all = PI_F * l->area * (l->two_sided ? 2.0f : 1.0f) / (0.5f * l->exponent + 1.0f);
     Rgb p = rgb_scale(l->L, all);
     return base->textured ? rgb_mul(p, texture_mean(&l->picture)) : p;
-}
-
-/* ---- for choosing ---- */
-
-static const float FLAT_COSINE = 0.9999f;       /* of two normals of a flat lamp, at least */
-
-static Box box_of_lamp(const Area *l, const Shape *s, uint32_t n)
-{
-    Box b = box_empty();
-
-    for (uint32_t i = 0; i < n; i++) {
-        V3 c[3];
-        geometry_face(geometry_of(l), lamp_triangle(s, i), c);
-        for (int k = 0; k < 3; k++)
-            b = box_point(b, c[k]);
-    }
-    return b;
-}
-
-/* All triangles in one plane and turned the same way? Not if the file's normals say which side
- * shines. */
-static bool is_flat(const Area *l, const Shape *s, uint32_t n)
-{
-    if (!n || s->n || s->kind != SHAPE_MESH)
-        return false;
-    for (uint32_t i = 0; i < n; i++) {
-        V3 c[3];
-        geometry_face(geometry_of(l), lamp_triangle(s, i), c);
-        if (!(v_dot(l->normals[i], l->normals[0]) >= FLAT_COSINE))
-            return false;
-        for (int k = 0; k < 3; k++)
-            if (fabsf(v_dot(l->normals[0], v_sub(c[k], l->centre))) > 0.01f * l->radius)
-                return false;
-    }
-    return true;
-}
-
-static void set_ball(Area *l, const Shape *s)
-{
-    uint32_t n = 0;
-    Box b = box_empty();
-
-    l->axis = v_all(0.0f);
-    if (s->kind == SHAPE_MESH || s->kind == SHAPE_TESSELLATION) {
-        n = s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
-        b = box_of_lamp(l, s, n);
-    } else if (s->kind == SHAPE_SPHERE)
-        b = sphere_box(&s->as.sphere);
-    else if (s->kind == SHAPE_DISK)
-        b = disk_box(&s->as.disk);
-    if (box_is_empty(b))
-        b.lo = b.hi = v_all(0.0f);
-    l->centre = box_centre(b);
-    l->radius = v_len(v_sub(b.hi, l->centre)) * (1.0f + ROUNDINGS(8));
-    if (s->kind == SHAPE_SPHERE && s->as.sphere.whole)
-        l->radius = s->as.sphere.radius * (1.0f + ROUNDINGS(8));
-    if (s->kind == SHAPE_DISK)
-        l->axis = s->flip ? v_neg(s->as.disk.frame.n) : s->as.disk.frame.n;
-    else if (is_flat(l, s, n))
-        l->axis = s->flip ? v_neg(l->normals[0]) : l->normals[0];
-    l->lum = rgb_lum(l->L) * (l->base.textured ? rgb_lum(texture_mean(&l->picture)) : 1.0f);
-}
-
-/* Area that a flat lamp shows the point, with its focus; a body shows a quarter of its surface, as
- * convex ones do. What is flat but for a hundredth may show a little where its plane does not: by
- * at most 0.01 radius / d + 0.0142 (1 + radius / d), the latter for FLAT_COSINE. */
-static float shown_area(const Area *l, V3 to)
-{
-    float c, d = v_len(to), play;
-
-    if (v_len2(l->axis) == 0.0f)
-        return 0.25f * l->area;
-    if (d <= l->radius)
-        c = l->two_sided || v_dot(l->axis, to) < 0.05f * l->radius ? 1.0f : 0.0f;
-    else {
-        play = 0.03f * (1.0f + l->radius / d);
-        c = -v_dot(l->axis, to) / d;
-        if (l->two_sided)
-            c = fabsf(c);
-        c = c >= play ? c : c <= -play ? 0.0f : f_sqr(c + play) / (4.0f * play);
-    }
-    if (c > 0.0f && l->exponent > 0.0f)
-        c = f_max(c * m_pow(f_min(c + l->radius / f_max(d, l->radius), 1.0f), l->exponent),
-                  1e-12f);
-    return l->area * c;
-}
-
-/* Of a disc that faces the point, exactly, from its axis: pi L R^2 / (d^2 + R^2). */
-static float estimate(const Light *base, V3 p, V3 n)
-{
-    const Area *l = (const Area *)base;
-    V3 to = v_sub(l->centre, p);
-    float a = shown_area(l, to), full = l->area * (v_len2(l->axis) == 0.0f ? 0.25f : 1.0f);
-
-    if (!(a > 0.0f))
-        return 0.0f;
-    return l->lum * a * estimate_cosine(n, to, l->radius) / (v_len2(to) + INV_PI * full);
 }
 
 static bool prepare(Light *base, const Scene *scene)
@@ -228,7 +105,7 @@ static bool prepare(Light *base, const Scene *scene)
         break;
     }
     l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
-    set_ball(l, s);
+    area_prepare_estimate(l);
     return true;
 }
 
@@ -253,26 +130,50 @@ static void point_of(Surface *sf, AreaPoint *s)
 
 static bool looks_at_uv(const Area *l) { return l->base.textured || l->mask; }
 
-static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
+static void point_on_triangle(const Area *l, uint32_t prim, float b1, float b2, V3 n, AreaPoint *s)
 {
     const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
+
+    if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
+        Ray none = { .d = { 0, 0, 1 } };
+        Hit h = { 0, b1, b2, NO_PRIM, prim };
+        Surface sf;
+        geometry_surface(g, &none, &h, &sf);
+        point_of(&sf, s);
+        return;
+    }
+    geometry_point(g, prim, b1, b2, &s->p, &s->err);
+    s->n = shape->flip ? v_neg(n) : n;
+}
+
+static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
+{
     size_t i;
     V3 b;
 
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
-        Ray none = { .d = { 0, 0, 1 } };
-        Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
-        Surface sf;
-        geometry_surface(g, &none, &h, &sf);
-        point_of(&sf, s);
+    point_on_triangle(l, lamp_triangle(shape_of(l), i), b.y, b.z, l->normals[i], s);
+    return true;
+}
+
+/* By solid angle. *pdf_w: 0, if that is not to be from there. False: no point. */
+static bool point_by_angle(const Area *l, V3 from, V2 u, AreaPoint *s, float *pdf_w)
+{
+    double sum[SOLID_MOST], all = l->solid ? area_solid_angles(l, from, sum) : 0.0;
+    uint32_t i;
+    float b1, b2;
+
+    *pdf_w = 0.0f;
+    if (all == 0.0)
         return true;
-    }
-    geometry_point(g, lamp_triangle(shape, i), b.y, b.z, &s->p, &s->err);
-    s->n = shape->flip ? v_neg(l->normals[i]) : l->normals[i];
+    if (!area_solid_sample(l, from, u, sum, &i, &b1, &b2))
+        return false;
+    s->uv = (V2){ 0, 0 };
+    point_on_triangle(l, lamp_triangle(shape_of(l), i), b1, b2, l->normals[i], s);
+    *pdf_w = (float)(1.0 / all);
     return true;
 }
 
@@ -414,7 +315,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     const Area *l = (const Area *)base;
     const Shape *shape = shape_of(l);
-    float d2, cosine;
+    float d2, cosine, by_angle;
     AreaPoint at;
     V3 d;
 
@@ -428,7 +329,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
             return l->two_sided || !shape->flip;        /* we see the outside */
         }
     }
-    if (!point_sample(l, u, &at))
+    if (!point_by_angle(l, from, u, &at, &by_angle) ||
+        (by_angle == 0.0f && !point_sample(l, u, &at)))
         return false;
     s->p = at.p;
     s->err = at.err;
@@ -444,6 +346,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
         return false;
     s->L = masked(l, &at, emitted(l, at.uv, cosine));
     s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
+    if (by_angle > 0.0f)
+        s->pdf_w = by_angle;
     return is_finite(s->pdf_w);
 }
 
@@ -463,6 +367,11 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
     }
     if (l->two_sided)
         cosine = fabsf(cosine);
+    if (l->solid && cosine > 0.0f) {
+        double sum[SOLID_MOST], all = area_solid_angles(l, from, sum);
+        if (all > 0.0)
+            return (float)(1.0 / all);
+    }
     d2 = v_len2(v_sub(hit->p, from));
     return cosine > 0.0f && l->area > 0.0f ? d2 / (cosine * l->area) : 0.0f;
 }
@@ -547,6 +456,8 @@ static const OptDef options[] = {
       .help = "of the cosine to the normal; 0 shines alike in all directions" },
     { .key = "filename", .type = OPT_STRING, .str = "",
       .help = "picture over (u, v), a factor of L" },
+    { .key = "sampling", .type = OPT_CHOICE, .str = "area", .choices = "area solidangle",
+      .help = "triangles: points by area, or by the solid angle that they fill; spheres always" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
     { .key = NULL }
@@ -557,5 +468,5 @@ const LightKind light_diffuse = {
               "a shape that shines (AreaLightSource)", options },
     .make = make, .prepare = prepare, .clear = clear, .sample = sample, .pdf_w = pdf_w,
     .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = estimate
+    .estimate = area_estimate
 };

@@ -24,6 +24,7 @@
 #define SCENE_PANORAMA_H
 
 #include "sampling/table.h"
+#include "scene/mediancut.h"
 #include "scene/scene.h"
 
 typedef enum {
@@ -46,8 +47,14 @@ Mapping mapping_option(const Opts *o, const Image *image);
 
 /* A picture, looked up by cell (not between cells: so its density is above 0 wherever it is, see
  * errata 5.3), and sampled by luminance times solid angle. */
+typedef enum { PANORAMA_CDF, PANORAMA_ALIAS, PANORAMA_MEDIANCUT, PANORAMA_FIXED } PanoramaWay;
+
 typedef struct {
     Mapping mapping;
+    PanoramaWay way;            /* of sampling: by table; by alias, or by regions, if there are */
+    AliasTable alias;           /* owned */
+    MedianCut  cut;             /* owned */
+    Rgb       *region;          /* owned; of PANORAMA_FIXED: light of each over its area */
     const Image *image;         /* borrowed; NULL: white, and the picture is one cell */
     Table2 table;               /* owned */
     Rgb    mean;                /* over the solid angle */
@@ -55,6 +62,10 @@ typedef struct {
 } Panorama;
 
 bool  panorama_init(Panorama *p, const Image *image, Mapping m);        /* false: memory */
+/* Makes what another way of sampling than by the running sums of `table` wants. The alias method
+ * has the same density; that of regions is even within each; and PANORAMA_FIXED gives only their
+ * middles, with the light of the whole region: biased. False: memory. */
+bool  panorama_set_way(Panorama *p, PanoramaWay way, int cuts);
 void  panorama_clear(Panorama *p);
 Rgb   panorama_at(const Panorama *p, V3 d);
 float panorama_pdf_w(const Panorama *p, V3 d);
