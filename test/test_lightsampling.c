@@ -99,6 +99,22 @@ static void contributions(void)
     lab_clear(&l);
 }
 
+/* The default goes by the number of lights. */
+static void by_number(void)
+{
+    Lab l;
+
+    lab_init(&l);
+    for (int i = 0; i < 65; i++) {
+        EXPECT(lightsampler_named("auto", l.scene) == kind_find(lightsamplers, "contribution") &&
+                   lightsampler_named("power", l.scene) == kind_find(lightsamplers, "power"),
+               "with %d lights", i);
+        lab_light(&l, "point", "I=1", NULL);
+    }
+    EXPECT(lightsampler_named("auto", l.scene) == kind_find(lightsamplers, "power"), "65 lights");
+    lab_clear(&l);
+}
+
 /* ---- estimates ---- */
 
 static uint32_t zoo(Lab *l)
@@ -187,6 +203,7 @@ static void no_light(void)
 const TestCase test_lightsampling[] = {
     { "choice", choice, false },
     { "contributions", contributions, false },
+    { "by_number", by_number, false },
     { "nothing_lost", nothing_lost, false },
     { "no_light", no_light, false },
     { NULL, NULL, false }

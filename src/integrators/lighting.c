@@ -8,7 +8,7 @@
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
                    bool directions)
 {
-    const LightSamplerKind *k = kind_find(lightsamplers, opt_string(o, "lightsampler"));
+    const LightSamplerKind *k = lightsampler_named(opt_string(o, "lightsampler"), s);
     Opts none;
 
     memset(it, 0, sizeof *it);

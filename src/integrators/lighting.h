@@ -38,8 +38,8 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
       .help = "weights of paths that both ways can make" }
 #define LIGHTING_LIGHTSAMPLER                                                  \
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,  \
-      .choices = "power uniform contribution", .also = "lightsamplestrategy",  \
-      .help = "how a light is chosen" }
+      .choices = "auto power uniform contribution", .also = "lightsamplestrategy",  \
+      .help = "how a light is chosen; auto: by contribution if they are 64 or fewer, else power" }
 
 /* ---- where light scatters ---- */
 

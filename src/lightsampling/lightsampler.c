@@ -1,6 +1,8 @@
 /* lightsampler.c -- the list of ways to choose a light. See lightsampler.h. */
 #include "lightsampling/lightsampler.h"
 
+#include <string.h>
+
 #define LIGHTSAMPLERS(X)                                                       \
     X(power)                    /* in proportion to power */                   \
     X(uniform)                  /* all alike */                               \
@@ -9,3 +11,12 @@
 #define ENTRY(name) &lightsampler_##name,
 LIGHTSAMPLERS(DECLARE)
 const LightSamplerKind *const lightsamplers[] = { LIGHTSAMPLERS(ENTRY) NULL };
+
+enum { FEW = 64 };
+
+const LightSamplerKind *lightsampler_named(const char *name, const Scene *s)
+{
+    if (!strcmp(name, "auto"))
+        name = s->nlights <= FEW ? "contribution" : "power";
+    return kind_find(lightsamplers, name);
+}

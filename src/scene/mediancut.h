@@ -3,7 +3,7 @@
  * Source  [Debevec05]: the picture is halved again and again, each part across its longer side
  *         where the light on both sides is the same. After k cuts there are 2^k regions, each of
  *         which stands for a light in its middle (weighed by light). Departs: lengths are those of
- *         the picture, not of the sphere; a part of one cell is not cut, its other half is empty. */
+ *         the picture, not of the sphere; a part of one cell is not cut: its other half is empty */
 #ifndef SCENE_MEDIANCUT_H
 #define SCENE_MEDIANCUT_H
 
