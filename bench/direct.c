@@ -74,6 +74,7 @@ static void table(const char *name, const char *scene, const Method *reference, 
             least = seconds < least ? seconds : least;
             image_clear(&im);
         }
+        fflush(stdout);
         printf("%s\t%-62s\tspp %3lu\tCPU s %6.2f\tsigma/mu %.4f\tto 1 %%: %8.2f s\trelMSE %.5f\t"
                "x CPU s %.5f\tmean %.4f\t%s\n",
                name, m[i].integrator, (unsigned long)m[i].spp, least, sqrt(variance),
@@ -109,7 +110,7 @@ static void figure_4_10(void)
 /* Figure 5.11 of [Shirley91]: one shadow ray for nine lamps, against nine; 5.12: five spots. */
 static void many_lights(void)
 {
-    static const Method reference = { "direct:strategy=light,lights=all", 512 };
+    static const Method reference = { "direct:strategy=light,lights=all", 256 };
     static const Method nine[] = {
         { "direct:strategy=light,lights=all", 4 },
         { "direct:strategy=light,lightsampler=uniform", 16 },
@@ -129,7 +130,7 @@ static void many_lights(void)
 /* The best single strategy, the worst, and both together, at their own costs. */
 static void equal_time(void)
 {
-    static const Method reference = { "direct:strategy=mis,lightsamples=4,bsdfsamples=4", 1024 };
+    static const Method reference = { "direct:strategy=mis,lightsamples=4,bsdfsamples=4", 192 };
     static const Method m[] = {
         { "direct:strategy=brdf", 32 }, { "direct:strategy=light", 32 },
         { "direct:strategy=mis", 16 }, { "direct:strategy=mis,lightsamples=2,bsdfsamples=2", 8 },
