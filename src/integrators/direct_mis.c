@@ -7,7 +7,7 @@
 
 static Rgb by_scattering(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
 {
-    Draw draw, first = draw_first(t, u, DECIDE_TRY_LOBE, DECIDE_TRY_DIRECTION);
+    Draw draw, first = draw_first(t, u, DECIDE_LOBE, DECIDE_DIRECTION);
     Rgb sum = rgb_all(0.0f);
     Candidate c;
 

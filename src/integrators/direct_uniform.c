@@ -9,7 +9,7 @@ static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 {
     bool sphere = v_len2(u->up) == 0.0f;
     float own = (float)it->bsdfsamples * (sphere ? warp_sphere_pdf() : warp_hemisphere_pdf());
-    Draw draw, first = draw_first(t, u, DECIDE_TRY_LOBE, DECIDE_TRY_DIRECTION);
+    Draw draw, first = draw_first(t, u, DECIDE_LOBE, DECIDE_DIRECTION);
     Frame up = frame_about(sphere ? v3(0, 0, 1) : u->up);
     Rgb sum = rgb_all(0.0f), f_cos;
     Candidate c;
