@@ -257,9 +257,15 @@ uint32_t lab_shine(Lab *l, uint32_t shape, const char *options)
 /* The picture is given to the scene under a name, as if it had been read from a file. */
 uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t)
 {
+    return lab_sky_as(l, w, h, f, t, "scale=1");
+}
+
+uint32_t lab_sky_as(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t,
+                    const char *options)
+{
     Scene *s = l->scene;
     SceneImage *im = MEM_NEW(SceneImage);
-    char name[40], option[80];
+    char name[40], option[200];
 
     snprintf(name, sizeof name, "sky %lu", (unsigned long)s->nimages);
     REQUIRE(im && image_init(&im->image, w, h), "memory");
@@ -271,7 +277,7 @@ uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform
             *image_at(&im->image, x, y) = f(d);
         }
     REQUIRE(MEM_PUSH(s->images, s->nimages, s->cap_images, im), "memory");
-    snprintf(option, sizeof option, "filename=%s", name);
+    snprintf(option, sizeof option, "filename=%s,%s", name, options);
     return lab_light(l, "infinite", option, t);
 }
 

@@ -61,6 +61,8 @@ uint32_t lab_light(Lab *l, const char *kind, const char *options, const Transfor
 uint32_t lab_shine(Lab *l, uint32_t shape, const char *options);        /* the shape is a light */
 /* A picture of the sky: f by direction, z up, at the middle of each of w x h cells. */
 uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t);
+uint32_t lab_sky_as(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t,
+                    const char *options);
 void     lab_build(Lab *l);
 /* "name:key=value,..." of an integrator, or options of `path` alone. */
 const IntegratorKind *lab_method(Lab *l, const char *text, Opts *o);

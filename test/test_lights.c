@@ -256,6 +256,35 @@ static void mesh_lights(void)
     expect_light(&l, light, v_all(0), 0.006f, v3(0.3f, 0.5f, 0.6f), "inside of a mesh");
 }
 
+/* The same by solid angle: near, far, on both sides, lamps of several triangles, a flipped one. */
+static void solid_lights(void)
+{
+    Mesh m = { 0 };
+    uint32_t light;
+    Lab l;
+
+    begin(&l);
+    light = lab_shine(&l, lab_quad(&l, v3(-0.5f, -1, 0.2f), v3(1, 0, 0.3f), v3(0, 2, 0), 0),
+                      "L=2,sampling=solidangle");
+    expect_light(&l, light, v3(0, 0, 0.35f), 1, v3(0.1f, 0.2f, 0.6f), "quad by angle");
+
+    begin(&l);
+    light = lab_shine(&l, lab_quad(&l, v3(-0.5f, -1, 0.2f), v3(1, 0, 0.3f), v3(0, 2, 0), 0),
+                      "L=2,sampling=solidangle,twosided");
+    expect_light(&l, light, v3(0, 0, 0.35f), 1, v3(0.1f, 0.2f, 0.4f), "two-sided quad by angle");
+
+    begin(&l);
+    REQUIRE(mesh_cube(&m), "cube");
+    mesh_move(&m, 2, v3(1, 2, 3));
+    light = lab_shine(&l, lab_mesh(&l, &m, 0, false), "L=2,sampling=solidangle");
+    expect_light(&l, light, v3(1, 2, 3), 2, v3(1.3f, 2.2f, 4.4f), "cube by angle");
+
+    begin(&l);
+    REQUIRE(mesh_cube(&m), "cube");
+    light = lab_shine(&l, lab_mesh(&l, &m, 0, true), "L=2,sampling=solidangle");
+    expect_light(&l, light, v3(0, 0, 0), 0.004f, v3(0.2f, 0.1f, 0.1f), "inside of a cube");
+}
+
 static void sphere_lights(void)
 {
     uint32_t light;
@@ -323,6 +352,63 @@ static void skies(void)
                        : k == 2 ? "turned sky" : "sky of cells");
         lab_clear(&l);
     }
+}
+
+static Rgb dappled(V3 w) { return rgb_add(spotted(w), rgb_all(0.05f)); }   /* nowhere black */
+
+/* Other ways of sampling a picture have densities of their own. */
+static void ways_of_skies(void)
+{
+    static const char *const ways[] = {
+        "sampling=alias", "sampling=mediancut,lights=16", "sampling=mediancut,lights=4096",
+        "sampling=mediancut,lights=1"
+    };
+    for (int k = 0; k < 4; k++) {
+        View v;
+        Lab l;
+        begin(&l);
+        memset(&v, 0, sizeof v);
+        lab_sky_as(&l, 16, 8, k ? dappled : spotted, NULL, ways[k]);
+        lab_build(&l);
+        v.scene = l.scene;
+        v.light = l.scene->lights[0];
+        v.from = v3(1, 2, 3);
+        v.pole = v3(0, 0, 1);
+        expect_view(v, ways[k]);
+        lab_clear(&l);
+    }
+}
+
+/* Fixed lights: of each draw, L / pdf is a light's share over its chance; their mean is all light
+ * that there is, and there are no more directions than lights. */
+static void fixed_lights(void)
+{
+    enum { N = 4096, LIGHTS = 32 };
+    V3 seen[LIGHTS];
+    double sum = 0, all;
+    int lights = 0;
+    const Light *light;
+    Lab l;
+
+    begin(&l);
+    lab_sky_as(&l, 64, 32, spotted, NULL, "sampling=mediancut,lights=32,jitter=false");
+    lab_build(&l);
+    light = l.scene->lights[0];
+    all = (double)rgb_lum(light->kind->power(light)) / (PI * l.scene->radius * l.scene->radius);
+    for (int i = 0; i < N; i++) {
+        LightSample s;
+        int k = 0;
+        REQUIRE(light->kind->sample(light, v_all(0), (V2){ (i + 0.5f) / N, 0.3f }, &s), "a draw");
+        sum += (double)(rgb_lum(s.L) / s.pdf_w) / N;
+        while (k < lights && v_len2(v_sub(seen[k], s.wi)) > 1e-6f)
+            k++;
+        REQUIRE(k < LIGHTS, "more than %d lights", LIGHTS);
+        seen[k] = s.wi;
+        lights += k == lights;
+    }
+    EXPECT(fabs(sum / all - 1) < 1e-2, "light %g, it is %g", sum, all);
+    EXPECT(lights >= LIGHTS / 2, "%d lights", lights);
+    lab_clear(&l);
 }
 
 /* ---- power ---- */
@@ -403,9 +489,12 @@ static void powers(void)
 
 const TestCase test_lights[] = {
     { "mesh", mesh_lights, false },
+    { "solid_angle", solid_lights, false },
     { "sphere", sphere_lights, false },
     { "disc", disc_lights, false },
     { "sky", skies, false },
+    { "sky_ways", ways_of_skies, false },
+    { "fixed", fixed_lights, false },
     { "power", powers, false },
     { NULL, NULL, false }
 };

@@ -35,7 +35,7 @@ typedef struct {
 /* A beam, and what the density of having found the same light in another way depends on. */
 typedef struct {
     Beam  beam;
-    V3    p, n;                 /* last vertex */
+    V3    p, n;                 /* last vertex, as light samplers take it */
     float pdf_w;                /* of the direction times samples taken; 0: the eye or a delta */
     int   asked;                /* samples of lights taken there */
     bool  split;                /* past the surface that took more than one sample */
@@ -115,7 +115,7 @@ static Rgb ask_one(const Distributed *it, const Branch *e, const Vertex *v, int 
 
     if (it->base.scene->nlights > 1)
         u = sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth));
-    l = it->lights->kind->pick(it->lights, v->s.p, v->s.ns, u, &p, &left);
+    l = it->lights->kind->pick(it->lights, v->s.p, vertex_up(v), u, &p, &left);
     if (!l)
         return rgb_all(0.0f);
     return ask(e, v, l, p, n, dirs,
@@ -182,7 +182,7 @@ static Rgb branch(const Distributed *it, const Branch *e, const Vertex *v, int n
     bs.weight = rgb_scale(bs.weight, 1.0f / (float)n);
     beam_turn(&next.beam, v, &bs);
     next.p = v->s.p;
-    next.n = v->s.ns;
+    next.n = vertex_up(v);
     next.pdf_w = (float)n * bs.pdf_w;
     next.asked = asked;
     next.split = next.split || vertex_is_smooth(v);
@@ -248,7 +248,7 @@ static void close_distributed(Integrator *base)
 
 static bool open_lights(Distributed *it, const Scene *s, const char *name)
 {
-    const LightSamplerKind *kind = kind_find(lightsamplers, name);
+    const LightSamplerKind *kind = lightsampler_named(name, s);
     Opts none;
 
     if (!strcmp(name, "all"))
@@ -289,7 +289,7 @@ static const OptDef options[] = {
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "directions from there" },
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
-      .choices = "power uniform all", .also = "lightsamplestrategy",
+      .choices = "auto power uniform contribution all", .also = "lightsamplestrategy",
       .help = "how a light is chosen; all: each gets the samples" },
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },

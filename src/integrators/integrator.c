@@ -5,7 +5,8 @@
     X(path)                     /* eye paths */                                \
     X(whitted)                  /* trees of mirror images, no noise */         \
     X(distributed)              /* blur and gloss, no indirect diffuse light */ \
-    X(ao)                       /* how open the surroundings are */
+    X(ao)                       /* how open the surroundings are */            \
+    X(direct)                   /* light scattered once */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

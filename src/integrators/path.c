@@ -4,7 +4,9 @@
  * Idea        An eye path grows by sampling the BSDF. At each vertex it may be completed in two
  *             ways: implicitly, by meeting a light, and explicitly, by a connection to a sampled
  *             point of one. Each path that both ways can make is weighted by the heuristic on the
- *             two densities per solid angle, so that the weights of a path sum to 1.
+ *             two densities per solid angle, so that the weights of a path sum to 1. Or one
+ *             connection is kept of many candidates by both ways, see resample.c, and implicit
+ *             paths count only where there was none to make: after delta events.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -13,20 +15,21 @@
  *             Directions that the shading normal allows and the geometric one does not are black.
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
-#include "integrators/vertex.h"
-#include "lightsampling/lightsampler.h"
+#include "integrators/event.h"
+#include "integrators/lighting.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
 
-enum { BORDERS_MOST = 65536 };          /* of media, between two events; a path beyond is lost */
-
 typedef struct {
     Integrator base;
-    LightSampler *lights;       /* owned */
+    LightSampler *lights;       /* owned by `lighting` */
+    Lighting lighting;          /* owned */
     Ways  ways;
     bool  power;                /* power heuristic; else balance */
     int   maxdepth;             /* most vertices between eye and light */
     int   roulette;             /* first bounce that may end the path */
+    bool  resamples;            /* explicit paths are resampled: */
+    Resampling resampling;
 } Path;
 
 /* The path so far: what the next vertex needs to know of the last one. */
@@ -87,39 +90,6 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
 
 /* ---- to the next event ---- */
 
-typedef enum { ESCAPES, ARRIVES, SCATTERS } Event;
-
-/* Where there are media: on through their borders, to a surface or to a scattering on the way,
- * whose place is then *p. */
-static Event fly(Eye *e, Surface *s, V3 *p, Tracer *t)
-{
-    const Scene *scene = t->scene;
-    Flight f;
-
-    flight_start(&f, e->throughput, sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)));
-    for (int n = 0; n < BORDERS_MOST; n++) {
-        float at;
-        Hit h;
-        Rgb weight;
-        Met met = scene_meets(scene, &e->ray, true, &h, s);
-        t->rays++;
-        if (e->medium != NO_MEDIUM &&
-            flight_scatters(&f, &scene->media[e->medium], h.t, &at, &weight)) {
-            *p = v_mad(e->ray.d, at, e->ray.o);
-            e->throughput = rgb_mul(e->throughput, weight);
-            return SCATTERS;
-        }
-        if (met != MET_BORDER) {
-            e->throughput = rgb_mul(e->throughput, flight_arrives(&f));
-            return met == MET_SURFACE ? ARRIVES : ESCAPES;
-        }
-        e->medium = medium_beyond(s, e->ray.d, e->medium);
-        e->ray.o = ray_origin(s->p, s->err, s->ng, e->ray.d);
-    }
-    e->throughput = rgb_all(0.0f);
-    return ESCAPES;
-}
-
 /* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
  * all paths see textures sharp: what they find there must not depend on how they came. */
 static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
@@ -128,7 +98,9 @@ static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
     Hit h;
 
     if (UNLIKELY(t->scene->nmedia))
-        event = fly(e, s, p, t);
+        event = ray_flies(t, &e->ray, &e->medium,
+                          sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)),
+                          &e->throughput, s, p);
     else if (tracer_nearest(t, &e->ray, &h))
         accel_surface(t->scene->accel, &e->ray, &h, s);
     else
@@ -148,10 +120,11 @@ typedef struct {
     Rgb  c;
     int  edges;
     uint32_t medium;            /* that the ray starts in */
+    bool known;                 /* that nothing does */
 } Connection;
 
-/* A direction to one light from p, whose normal n is 0 in a medium. *pdf: that of having chosen
- * this light and this direction. NULL: none. */
+/* A direction to one light from p; n as light samplers take it. *pdf: that of having chosen this
+ * light and this direction. NULL: none. */
 INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Tracer *t,
                                   LightSample *ls, float *pdf)
 {
@@ -172,7 +145,7 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
 {
     LightSample ls;
     float weight = 1.0f, pdf;
-    const Light *l = towards_light(it, e, v->s.p, v->s.ns, t, &ls, &pdf);
+    const Light *l = towards_light(it, e, v->s.p, vertex_up(v), t, &ls, &pdf);
     Rgb f_cos;
     V3 local;
 
@@ -210,6 +183,45 @@ static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Con
     return true;
 }
 
+/* By one of many candidates. Those by the BSDF stand for implicit paths, which count only after
+ * delta events then, as for strategy=explicit. */
+static bool connect_resampled(const Path *it, const Eye *e, const Turn *u, Tracer *t,
+                              Connection *to)
+{
+    Candidate c;
+
+    if (!resample_one(&it->lighting, &it->resampling, u, t, &c))
+        return false;
+    to->c = rgb_mul(e->throughput, c.c);
+    to->ray = c.ray;
+    to->edges = e->depth + 2;
+    to->medium = c.medium;
+    to->known = c.known;
+    return true;
+}
+
+static bool connect_any(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Connection *to)
+{
+    Turn u;
+
+    to->known = false;
+    if (LIKELY(!it->resamples))
+        return connect(it, e, v, t, to);
+    u = turn_on(v, e->ray.d, e->medium, e->depth);
+    return connect_resampled(it, e, &u, t, to);
+}
+
+static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Connection *to)
+{
+    Turn u;
+
+    to->known = false;
+    if (LIKELY(!it->resamples))
+        return connect_in_medium(it, e, p, t, to);
+    u = turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    return connect_resampled(it, e, &u, t, to);
+}
+
 /* ---- implicit paths ---- */
 
 /* One scattering event more. False: roulette ends the path. */
@@ -243,7 +255,7 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
         return false;
     e->ray = vertex_ray(v, bs.wi);
     e->p = v->s.p;
-    e->n = v->s.ns;
+    e->n = vertex_up(v);
     e->pdf_w = bs.pdf_w;
     if (bs.flags & BSDF_SMOOTH)
         e->way = -1.0f;
@@ -269,7 +281,7 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
 /* Light that the connection brings. */
 static Rgb connection_light(Connection *to, Tracer *t)
 {
-    if (!tracer_passes(t, &to->ray, to->medium, &to->c))
+    if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
         return rgb_all(0.0f);
     tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
     return to->c;
@@ -297,10 +309,11 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         /* Both decisions first, then the rays: the processor works on the two side by side. */
         if (event == ARRIVES) {
             vertex_make(&v, scene, e.ray.d);
-            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) && connect(it, &e, &v, t, &to);
+            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
+                       connect_any(it, &e, &v, t, &to);
             goes_on = scatter(it, &e, &v, t);
         } else {
-            connects = it->ways != IMPLICIT && connect_in_medium(it, &e, p, t, &to);
+            connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
             goes_on = scatter_in_medium(it, &e, p, t);
         }
         if (connects)
@@ -312,56 +325,50 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
 static void close_path(Integrator *base)
 {
-    Path *it = (Path *)base;
-    if (it->lights)
-        it->lights->kind->close(it->lights);
-    mem_free(it);
+    lighting_clear(&((Path *)base)->lighting);
+    mem_free(base);
 }
 
 static Integrator *open_path(const Scene *s, const Opts *o)
 {
-    const LightSamplerKind *lk = kind_find(lightsamplers, opt_string(o, "lightsampler"));
     Path *it = MEM_NEW(Path);
-    Opts none;
 
     if (!it)
         return NULL;
     it->base.scene = s;
+    it->resamples = opt_is(o, "strategy", "ris");
     it->ways = opt_is(o, "strategy", "implicit") ? IMPLICIT
-               : opt_is(o, "strategy", "explicit") ? EXPLICIT : MIS;
+               : opt_is(o, "strategy", "explicit") || it->resamples ? EXPLICIT : MIS;
     it->power = opt_is(o, "heuristic", "power");
     it->maxdepth = (int)opt_int(o, "maxdepth");
     it->roulette = (int)opt_int(o, "roulette");
-    opts_default(&none, lk->info.options);
-    it->lights = lk->open(s, &none);
-    if (!it->lights) {
+    it->resampling = resampling_of((int)opt_int(o, "tentative"), 1, opt_float(o, "lightshare"));
+    if (!lighting_init(&it->lighting, s, o, it->resamples, false)) {
         mem_free(it);
         return NULL;
     }
-    it->lights->kind = lk;
-    for (size_t i = 0; it->ways == IMPLICIT && i < s->nlights; i++)
-        if (s->lights[i]->kind->delta) {
-            if (!warn_at(s->lights[i]->at, "strategy=implicit cannot find %s lights",
-                         s->lights[i]->kind->info.name)) {
-                close_path(&it->base);
-                return NULL;
-            }
-            break;
-        }
+    it->lights = it->lighting.lights;
+    if (it->ways == IMPLICIT && !lighting_warn_of_deltas(s, "implicit")) {
+        close_path(&it->base);
+        return NULL;
+    }
     return &it->base;
 }
 
 static const OptDef options[] = {
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis",
-      .help = "how paths are completed: by meeting lights, by asking for them, by both" },
-    { .key = "heuristic", .type = OPT_CHOICE, .str = "power", .choices = "power balance",
-      .help = "weights of paths that both ways can make" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris",
+      .help = "how paths are completed: by meeting lights, by asking for them, by both, or by one "
+              "of many candidates" },
+    LIGHTING_HEURISTIC,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
-    { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
-      .choices = "power uniform", .also = "lightsamplestrategy", .help = "how a light is chosen" },
+    LIGHTING_LIGHTSAMPLER,
+    { .key = "tentative", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
+      .help = "strategy=ris: candidates without shadow rays, of which one is kept" },
+    { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
+      .help = "strategy=ris: part of the candidates that go by lights, the others by the surface" },
     { .key = NULL }
 };
 

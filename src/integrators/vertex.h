@@ -66,7 +66,22 @@ INLINE bool vertex_turns(const Vertex *v, BsdfSample *s)
     return v_dot(s->wi, v->s.ng) * z > 0.0f;
 }
 
-/* Scatters: decisions LOBE and DIRECTION number `at`. s->wi is of the world. False: absorbed. */
+/* The normal on the side from which light can reach the viewer; 0: that may be both sides. For
+ * light samplers. */
+INLINE V3 vertex_up(const Vertex *v)
+{
+    if (v->b->flags & BSDF_TRANSMIT)
+        return v_all(0.0f);
+    return v->wo.z < 0.0f ? v_neg(v->frame.n) : v->frame.n;
+}
+
+/* Scatters by given numbers. s->wi is of the world. False: absorbed. */
+INLINE bool vertex_sample_by(const Vertex *v, float lobe, V2 u, BsdfSample *s)
+{
+    return v->b->kind->sample(v->b, v->wo, lobe, u, false, s) && vertex_turns(v, s);
+}
+
+/* The same by decisions LOBE and DIRECTION number `at`. */
 INLINE bool vertex_sample(const Vertex *v, Tracer *t, int at, BsdfSample *s)
 {
     V2 u = { 0, 0 };
@@ -76,7 +91,7 @@ INLINE bool vertex_sample(const Vertex *v, Tracer *t, int at, BsdfSample *s)
         lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, at));
     if (v->b->flags & BSDF_SMOOTH)
         u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, at));
-    return v->b->kind->sample(v->b, v->wo, lobe, u, false, s) && vertex_turns(v, s);
+    return vertex_sample_by(v, lobe, u, s);
 }
 
 /* The ray that leaves that way. */

@@ -1,10 +1,22 @@
 /* lightsampler.c -- the list of ways to choose a light. See lightsampler.h. */
 #include "lightsampling/lightsampler.h"
 
+#include <string.h>
+
 #define LIGHTSAMPLERS(X)                                                       \
     X(power)                    /* in proportion to power */                   \
-    X(uniform)                  /* all alike */
+    X(uniform)                  /* all alike */                               \
+    X(contribution)             /* by what they would bring to the point */
 #define DECLARE(name) extern const LightSamplerKind lightsampler_##name;
 #define ENTRY(name) &lightsampler_##name,
 LIGHTSAMPLERS(DECLARE)
 const LightSamplerKind *const lightsamplers[] = { LIGHTSAMPLERS(ENTRY) NULL };
+
+enum { FEW = 64 };
+
+const LightSamplerKind *lightsampler_named(const char *name, const Scene *s)
+{
+    if (!strcmp(name, "auto"))
+        name = s->nlights <= FEW ? "contribution" : "power";
+    return kind_find(lightsamplers, name);
+}

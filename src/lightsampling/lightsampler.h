@@ -12,8 +12,10 @@ typedef struct LightSampler LightSampler;
 typedef struct {
     KindInfo info;
     LightSampler *(*open)(const Scene *s, const Opts *o);       /* NULL: reported */
-    /* Picks by u in [0,1) for the point p with normal n; *pmf its probability, > 0. *left: what u
-     * still holds of chance, again in [0,1). NULL: no light is worth asking. */
+    /* Picks by u in [0,1) for the point p, of which n is the normal on the side from which light is
+     * wanted (0: from all round, as in media and through surfaces that transmit); *pmf its
+     * probability, > 0. *left: what u still holds of chance, again in [0,1). NULL: no light is
+     * worth asking. */
     const Light *(*pick)(const LightSampler *ls, V3 p, V3 n, float u, float *pmf, float *left);
     float (*pmf)(const LightSampler *ls, V3 p, V3 n, const Light *l);
     void (*close)(LightSampler *ls);
@@ -25,6 +27,9 @@ struct LightSampler {           /* first member of every concrete one */
 };
 
 extern const LightSamplerKind *const lightsamplers[];           /* ends with NULL */
-#define LIGHTSAMPLER_DEFAULT "power"
+#define LIGHTSAMPLER_DEFAULT "auto"
+/* By name. auto: by contribution where lights are few enough to look at each for each choice (64),
+ * since that is never much noisier than any other and often far less; else by power. */
+const LightSamplerKind *lightsampler_named(const char *name, const Scene *s);
 
 #endif

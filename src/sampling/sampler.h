@@ -22,6 +22,9 @@ typedef enum {
     DECIDE_DIRECTION,           /* 2-D: scattered direction */
     DECIDE_DISTANCE,            /* 1-D: to the next scattering in a medium */
     DECIDE_ROULETTE,            /* 1-D: go on or end */
+    DECIDE_TRY_LOBE,            /* 1-D, 2-D: lobe and direction of what is tried, */
+    DECIDE_TRY_DIRECTION,       /* besides the direction that the path takes */
+    DECIDE_KEEP,                /* 1-D: which of the tentative samples is kept */
     DECIDE_KINDS = 16           /* room for more, a power of two */
 } DecisionKind;
 

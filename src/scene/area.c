@@ -7,31 +7,13 @@
  * Sampling    Meshes and tessellations: a triangle by area, then a uniform point. Discs: uniform
  *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
  *             area.
+ *             With sampling=solidangle, lamps of few triangles: see area_solid.c.
  * Masks       Of a shape that lets a part of the rays pass, points shine by what is left of it
  *             there, as the rays do that meet it. Its far side shows through: no cones then.
  * Emission    A point uniform by area, a direction in proportion to cos^(exponent + 1).
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
-#include "sampling/table.h"
 #include "sampling/warp.h"
-#include "scene/scene.h"
-
-typedef struct {
-    Light base;
-    Rgb   L;
-    bool  two_sided;
-    float exponent;
-    Texture picture;            /* if base.textured */
-    const Texture *mask;        /* borrowed; opacity of the shape's material, or NULL */
-    const Scene *scene;         /* borrowed */
-    uint32_t geometry, shape;
-    float area;
-    Table triangles;            /* owned; if there are any: by area */
-    V3   *normals;              /* owned; of each triangle, by the order of its corners */
-    float power_wanted;         /* by luminance; 0: L is as given */
-} Area;
-
-static const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
-static const Shape *shape_of(const Area *l) { return &geometry_of(l)->shapes[l->shape]; }
+#include "scene/area.h"
 
 static Light *make(const Making *m, const Opts *o)
 {
@@ -45,6 +27,7 @@ static Light *make(const Making *m, const Opts *o)
     l->two_sided = opt_bool(o, "twosided");
     l->power_wanted = opt_float(o, "power");
     l->exponent = opt_float(o, "exponent");
+    l->solid = opt_is(o, "sampling", "solidangle");
     if (opt_string(o, "filename")[0]) {
         l->base.textured = true;
         l->picture.kind = TEXTURE_IMAGE;
@@ -55,14 +38,6 @@ static Light *make(const Making *m, const Opts *o)
             return NULL;
     }
     return &l->base;
-}
-
-/* Triangle i of the lamp, whatever order an accelerator has put them into. */
-static uint32_t lamp_triangle(const Shape *s, size_t i)
-{
-    if (s->kind == SHAPE_TESSELLATION)
-        return s->as.tessellation->first_face + (uint32_t)i;
-    return s->first + (s->place ? s->place[i] : (uint32_t)i);
 }
 
 static double triangle_area(const Geometry *g, uint32_t prim)
@@ -91,6 +66,7 @@ static bool prepare_triangles(Area *l, const Shape *s)
         sum += a;
     }
     l->area = (float)sum;
+    l->solid = l->solid && n <= SOLID_MOST && !s->n ? n : 0;
     ok = table_init(&l->triangles, weight, n);
     mem_free(weight);
     return ok;
@@ -129,6 +105,7 @@ static bool prepare(Light *base, const Scene *scene)
         break;
     }
     l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
+    area_prepare_estimate(l);
     return true;
 }
 
@@ -153,26 +130,50 @@ static void point_of(Surface *sf, AreaPoint *s)
 
 static bool looks_at_uv(const Area *l) { return l->base.textured || l->mask; }
 
-static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
+static void point_on_triangle(const Area *l, uint32_t prim, float b1, float b2, V3 n, AreaPoint *s)
 {
     const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
+
+    if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
+        Ray none = { .d = { 0, 0, 1 } };
+        Hit h = { 0, b1, b2, NO_PRIM, prim };
+        Surface sf;
+        geometry_surface(g, &none, &h, &sf);
+        point_of(&sf, s);
+        return;
+    }
+    geometry_point(g, prim, b1, b2, &s->p, &s->err);
+    s->n = shape->flip ? v_neg(n) : n;
+}
+
+static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
+{
     size_t i;
     V3 b;
 
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
-        Ray none = { .d = { 0, 0, 1 } };
-        Hit h = { 0, b.y, b.z, NO_PRIM, lamp_triangle(shape, i) };
-        Surface sf;
-        geometry_surface(g, &none, &h, &sf);
-        point_of(&sf, s);
+    point_on_triangle(l, lamp_triangle(shape_of(l), i), b.y, b.z, l->normals[i], s);
+    return true;
+}
+
+/* By solid angle. *pdf_w: 0, if that is not to be from there. False: no point. */
+static bool point_by_angle(const Area *l, V3 from, V2 u, AreaPoint *s, float *pdf_w)
+{
+    double sum[SOLID_MOST], all = l->solid ? area_solid_angles(l, from, sum) : 0.0;
+    uint32_t i;
+    float b1, b2;
+
+    *pdf_w = 0.0f;
+    if (all == 0.0)
         return true;
-    }
-    geometry_point(g, lamp_triangle(shape, i), b.y, b.z, &s->p, &s->err);
-    s->n = shape->flip ? v_neg(l->normals[i]) : l->normals[i];
+    if (!area_solid_sample(l, from, u, sum, &i, &b1, &b2))
+        return false;
+    s->uv = (V2){ 0, 0 };
+    point_on_triangle(l, lamp_triangle(shape_of(l), i), b1, b2, l->normals[i], s);
+    *pdf_w = (float)(1.0 / all);
     return true;
 }
 
@@ -314,7 +315,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     const Area *l = (const Area *)base;
     const Shape *shape = shape_of(l);
-    float d2, cosine;
+    float d2, cosine, by_angle;
     AreaPoint at;
     V3 d;
 
@@ -328,7 +329,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
             return l->two_sided || !shape->flip;        /* we see the outside */
         }
     }
-    if (!point_sample(l, u, &at))
+    if (!point_by_angle(l, from, u, &at, &by_angle) ||
+        (by_angle == 0.0f && !point_sample(l, u, &at)))
         return false;
     s->p = at.p;
     s->err = at.err;
@@ -344,6 +346,8 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
         return false;
     s->L = masked(l, &at, emitted(l, at.uv, cosine));
     s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
+    if (by_angle > 0.0f)
+        s->pdf_w = by_angle;
     return is_finite(s->pdf_w);
 }
 
@@ -354,12 +358,20 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
     float d2, cosine;
     V3 d;
 
+    cosine = -v_dot(hit->ng, wi);                       /* above 0: the front is met */
     if (shape->kind == SHAPE_SPHERE) {
         float h = cone_height(l, &shape->as.sphere, from, &d, &d2);
-        if (h > 0.0f)
-            return warp_cone_pdf(h);
+        if (h > 0.0f)                                   /* of points that face us, see near_point */
+            return shape->flip == (cosine < 0.0f) && (l->two_sided || !shape->flip)
+                       ? warp_cone_pdf(h) : 0.0f;
     }
-    cosine = v_absdot(hit->ng, wi);
+    if (l->two_sided)
+        cosine = fabsf(cosine);
+    if (l->solid && cosine > 0.0f) {
+        double sum[SOLID_MOST], all = area_solid_angles(l, from, sum);
+        if (all > 0.0)
+            return (float)(1.0 / all);
+    }
     d2 = v_len2(v_sub(hit->p, from));
     return cosine > 0.0f && l->area > 0.0f ? d2 / (cosine * l->area) : 0.0f;
 }
@@ -444,6 +456,8 @@ static const OptDef options[] = {
       .help = "of the cosine to the normal; 0 shines alike in all directions" },
     { .key = "filename", .type = OPT_STRING, .str = "",
       .help = "picture over (u, v), a factor of L" },
+    { .key = "sampling", .type = OPT_CHOICE, .str = "area", .choices = "area solidangle",
+      .help = "triangles: points by area, or by the solid angle that they fill; spheres always" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
     { .key = NULL }
@@ -453,5 +467,6 @@ const LightKind light_diffuse = {
     .info = { "diffuse", "Cline07 4.4.2; Shirley96; GIRT B",
               "a shape that shines (AreaLightSource)", options },
     .make = make, .prepare = prepare, .clear = clear, .sample = sample, .pdf_w = pdf_w,
-    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .estimate = area_estimate
 };

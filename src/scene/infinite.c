@@ -2,8 +2,11 @@
  * them.
  *
  * Source      [Cline07 4.4.2, 5.2.1]; mappings of pictures: panorama.h.
- * Sampling    Cells of the picture in proportion to luminance times solid angle; constant skies
- *             uniformly over the sphere. */
+ * Sampling    Cells of the picture in proportion to luminance times solid angle, by inverting its
+ *             sums or by the alias method [Cline07 4.4.2]; or regions of like light [Debevec05],
+ *             and a place in each. Without jitter that place is the region's middle and stands for
+ *             all of it: shadows have as many edges as there are regions, and the picture is
+ *             biased. Constant skies uniformly over the sphere. */
 #include "sampling/warp.h"
 #include "scene/panorama.h"
 
@@ -17,6 +20,8 @@ typedef struct {
     Affine to_light;            /* directions of the world in the light's frame */
     Affine to_world;
     Stage  stage;
+    PanoramaWay way;
+    int    cuts;                /* of median cut: 2^cuts regions */
     float  illuminance;         /* wanted on a surface that faces z; 0: L is as given */
     Rgb    mean;                /* radiance over the sphere */
 } Infinite;
@@ -43,6 +48,14 @@ static Light *make(const Making *m, const Opts *o)
                  "more noise"))
         return NULL;
     l->illuminance = opt_float(o, "illuminance");
+    l->way = opt_is(o, "sampling", "cdf") ? PANORAMA_CDF
+             : opt_is(o, "sampling", "alias") ? PANORAMA_ALIAS
+             : opt_bool(o, "jitter") ? PANORAMA_MEDIANCUT : PANORAMA_FIXED;
+    while (1 << l->cuts < opt_int(o, "lights"))
+        l->cuts++;
+    if (l->way == PANORAMA_FIXED && name[0] &&
+        !warn_at(m->at, "%d fixed lights stand for the sky: the picture is biased", 1 << l->cuts))
+        return NULL;
     if (name[0]) {
         l->image = scene_image(m->scene, m, name);
         if (!l->image)
@@ -58,7 +71,8 @@ static bool prepare(Light *base, const Scene *s)
     double up = PI;
 
     l->stage = stage_of(s);
-    if (l->image && !panorama_init(&l->picture, l->image, l->mapping))
+    if (l->image && (!panorama_init(&l->picture, l->image, l->mapping) ||
+                     !panorama_set_way(&l->picture, l->way, l->cuts)))
         return false;
     if (l->image && l->illuminance > 0.0f)
         up = panorama_upward(&l->picture);
@@ -145,6 +159,16 @@ static Rgb power(const Light *base)
     return rgb_scale(l->mean, 4.0f * PI_F * PI_F * l->stage.radius * l->stage.radius);
 }
 
+static float estimate(const Light *base, V3 p, V3 n)
+{
+    const Infinite *l = (const Infinite *)base;
+
+    (void)p;
+    if (!l->image)
+        return uniform_estimate(rgb_lum(l->L), n);
+    return rgb_lum(l->L) * panorama_estimate(&l->picture, affine_vector(&l->to_light, n));
+}
+
 /* ---- the sky of a bare mesh ---- */
 
 enum { STUDIO_W = 512, STUDIO_H = 256 };        /* fine enough that no steps show */
@@ -187,6 +211,12 @@ static const OptDef options[] = {
     MAPPING_OPTION("where directions are; auto: octahedral if square, but mapname is latlong"),
     { .key = "illuminance", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
       .help = "luminance of the irradiance on a surface that faces z; sets L if above 0" },
+    { .key = "sampling", .type = OPT_CHOICE, .str = "cdf", .choices = "cdf alias mediancut",
+      .help = "of a picture: by inverting sums, by the alias method, by regions of like light" },
+    { .key = "lights", .type = OPT_INT, .num = 64, .lo = 1, .hi = 4096,
+      .help = "mediancut: regions, rounded up to a power of two" },
+    { .key = "jitter", .type = OPT_BOOL, .num = 1,
+      .help = "mediancut: anywhere in a region; false: in its middle, fixed and biased" },
     { .key = "portal", .type = OPT_NUMBERS, .help = "left out: the light is the same without it" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
@@ -197,5 +227,6 @@ const LightKind light_infinite = {
     .info = { "infinite", "Cline07 4.4.2; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
+    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .estimate = estimate
 };

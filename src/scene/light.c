@@ -12,6 +12,8 @@
 LIGHTS(DECLARE)
 const LightKind *const lights[] = { LIGHTS(ENTRY) NULL };
 
+#define ESTIMATE_MOST 1e30f     /* sums of many lights stay finite */
+
 float delta_pdf_w(const Light *l, V3 from, V3 wi, const Surface *hit)
 {
     (void)l;
@@ -27,6 +29,31 @@ Rgb delta_radiance(const Light *l, V3 wi, const Surface *hit)
     (void)wi;
     (void)hit;
     return rgb_all(0.0f);
+}
+
+float light_estimate(const Light *l, V3 p, V3 n)
+{
+    LightSample s;
+
+    if (l->kind->estimate)
+        return f_min(l->kind->estimate(l, p, n), ESTIMATE_MOST);
+    if (!l->kind->sample(l, p, (V2){ 0.5f, 0.5f }, &s))
+        return 0.0f;
+    return f_min(rgb_lum(s.L) * estimate_cosine(n, s.wi, 0.0f), ESTIMATE_MOST);
+}
+
+/* With s the sine of half the angle that the ball fills: the cosine at its centre where the ball is
+ * all above the horizon, 0 where it is all below, a parabola in between. A thousandth more than the
+ * ball hides the roundings. */
+float estimate_cosine(V3 n, V3 to, float radius)
+{
+    float d = v_len(to), s, c;
+
+    if (v_len2(n) == 0.0f || d <= radius)
+        return 1.0f;
+    s = radius / d + 1e-3f;
+    c = v_dot(n, to) / d;
+    return c >= s ? c : c <= -s ? 0.0f : f_sqr(c + s) / (4.0f * s);
 }
 
 float power_factor(float wanted, Rgb own)

@@ -1,6 +1,8 @@
 /* panorama.c -- pictures whose places are directions. See panorama.h. */
 #include "scene/panorama.h"
 
+#include "base/mem.h"
+
 #include <string.h>
 
 /* ---- latitude and longitude ---- */
@@ -241,21 +243,36 @@ static double cell_measure(const Panorama *p, uint32_t x, uint32_t y)
     return md_sin(PI * (y + 0.5) / h);
 }
 
-bool panorama_init(Panorama *p, const Image *image, Mapping m)
+/* Cells of a row go by runs, whose directions are that of their middle: at most 256 of them. */
+static V3 moment_of_row(const Panorama *p, const float *weight, uint32_t y)
 {
-    double sum[3] = { 0, 0, 0 }, all = 0;
-    float *weight;
-    bool ok;
+    uint32_t w = width(p), step = 1 + (w - 1) / 256;
+    V3 sum = v_all(0.0f);
+    float jacobian;
 
-    p->image = image;
-    p->mapping = m;
-    weight = MEM_ARRAY(float, (size_t)width(p) * height(p));
-    if (!weight)
-        return false;
-    for (uint32_t y = 0; y < height(p); y++) {
+    for (uint32_t x = 0; x < w; x += step) {
+        uint32_t end = x + step < w ? x + step : w;
+        V2 q = { 0.5f * (float)(x + end) / (float)w, ((float)y + 0.5f) / (float)height(p) };
+        V3 d = mapping_direction(&p->mapping, q, &jacobian);
+        float run = 0.0f;
+        for (uint32_t i = x; i < end; i++)
+            run += weight[i];
+        sum = v_mad(d, run, sum);
+    }
+    return sum;
+}
+
+/* Light of each cell: luminance times solid angle. */
+static float *weights_of(Panorama *p)
+{
+    double sum[3] = { 0, 0, 0 }, moment[3] = { 0, 0, 0 }, all = 0;
+    float *weight = MEM_ARRAY(float, (size_t)width(p) * height(p));
+    V3 row_moment;
+
+    for (uint32_t y = 0; weight && y < height(p); y++) {
         double row = cell_measure(p, 0, y);
         for (uint32_t x = 0; x < width(p); x++) {
-            double measure = m.kind == MAPPING_LATLONG ? row : cell_measure(p, x, y);
+            double measure = p->mapping.kind == MAPPING_LATLONG ? row : cell_measure(p, x, y);
             Rgb c = cell(p, x, y);
             weight[(size_t)y * width(p) + x] = (float)(rgb_lum(c) * measure);
             sum[0] += c.r * measure;
@@ -263,14 +280,82 @@ bool panorama_init(Panorama *p, const Image *image, Mapping m)
             sum[2] += c.b * measure;
             all += measure;
         }
+        row_moment = moment_of_row(p, weight + (size_t)y * width(p), y);
+        moment[0] += row_moment.x;
+        moment[1] += row_moment.y;
+        moment[2] += row_moment.z;
     }
+    p->moment = v3((float)(moment[0] / all), (float)(moment[1] / all), (float)(moment[2] / all));
     p->mean = rgb((float)(sum[0] / all), (float)(sum[1] / all), (float)(sum[2] / all));
-    ok = table2_init(&p->table, weight, width(p), height(p));
+    return weight;
+}
+
+bool panorama_init(Panorama *p, const Image *image, Mapping m)
+{
+    float *weight;
+    bool ok;
+
+    memset(p, 0, sizeof *p);
+    p->image = image;
+    p->mapping = m;
+    weight = weights_of(p);
+    ok = weight && table2_init(&p->table, weight, width(p), height(p));
     mem_free(weight);
     return ok;
 }
 
-void panorama_clear(Panorama *p) { table2_clear(&p->table); }
+/* Mean of radiance times jacobian over a region: its light over its area. */
+static Rgb region_mean(const Panorama *p, const Region *r)
+{
+    float jacobian, area = (float)(r->x1 - r->x0) * (float)(r->y1 - r->y0);
+    double sum[3] = { 0, 0, 0 };
+
+    for (uint32_t y = r->y0; y < r->y1; y++)
+        for (uint32_t x = r->x0; x < r->x1; x++) {
+            V2 at = { ((float)x + 0.5f) / (float)width(p), ((float)y + 0.5f) / (float)height(p) };
+            Rgb c = cell(p, x, y);
+            mapping_direction(&p->mapping, at, &jacobian);
+            sum[0] += (double)c.r * jacobian;
+            sum[1] += (double)c.g * jacobian;
+            sum[2] += (double)c.b * jacobian;
+        }
+    return area > 0.0f ? rgb((float)(sum[0] / area), (float)(sum[1] / area),
+                             (float)(sum[2] / area)) : rgb_all(0.0f);
+}
+
+static bool set_regions(Panorama *p)
+{
+    uint32_t n = 1u << p->cut.cuts;
+
+    p->region = MEM_ARRAY(Rgb, n);
+    for (uint32_t i = 0; p->region && i < n; i++)
+        p->region[i] = region_mean(p, &p->cut.node[n + i]);
+    return p->region != NULL;
+}
+
+bool panorama_set_way(Panorama *p, PanoramaWay way, int cuts)
+{
+    float *weight = way == PANORAMA_CDF ? NULL : weights_of(p);
+    bool ok = way == PANORAMA_CDF;
+
+    p->way = way;
+    if (weight && way == PANORAMA_ALIAS)
+        ok = alias_init(&p->alias, weight, width(p) * height(p));
+    else if (weight)
+        ok = mediancut_init(&p->cut, weight, width(p), height(p), cuts) &&
+             (way != PANORAMA_FIXED || set_regions(p));
+    mem_free(weight);
+    return ok;
+}
+
+void panorama_clear(Panorama *p)
+{
+    table2_clear(&p->table);
+    alias_clear(&p->alias);
+    mediancut_clear(&p->cut);
+    mem_free(p->region);
+    p->region = NULL;
+}
 
 static Rgb lookup(const Panorama *p, V2 q)
 {
@@ -292,11 +377,45 @@ Rgb panorama_at(const Panorama *p, V3 d)
     return lookup(p, q);
 }
 
+/* Density per unit square. */
+static float place_pdf(const Panorama *p, V2 q)
+{
+    return p->way < PANORAMA_MEDIANCUT ? table2_pdf(&p->table, q) : mediancut_pdf(&p->cut, q);
+}
+
 float panorama_pdf_w(const Panorama *p, V3 d)
 {
     float jacobian;
     V2 q = mapping_place(&p->mapping, d, &jacobian);
-    return jacobian > 0.0f ? table2_pdf(&p->table, q) / jacobian : 0.0f;
+    return jacobian > 0.0f ? place_pdf(p, q) / jacobian : 0.0f;
+}
+
+/* The cell takes both numbers, as one of 48 bits; what they still hold is cut in two for the place
+ * in the cell, of 12 bits a side. Neighbours in u are none in the picture: strata are lost. */
+static bool place_by_alias(const Panorama *p, V2 u, V2 *q, float *pdf)
+{
+    uint32_t i, w = width(p), h = height(p);
+    float rest, high;
+
+    if (!alias_sample(&p->alias, u.x + u.y * 0x1p-24, &i, NULL, &rest))
+        return false;
+    high = (float)(uint32_t)(rest * 0x1p12f);
+    rest = rest * 0x1p12f - high;
+    *q = (V2){ f_min(((float)(i % w) + (high + 0.5f) * 0x1p-12f) / (float)w, ONE_MINUS_ULP),
+               f_min(((float)(i / w) + rest) / (float)h, ONE_MINUS_ULP) };
+    *pdf = table2_pdf(&p->table, *q);
+    return *pdf > 0.0f;
+}
+
+static bool place_sample(const Panorama *p, V2 u, V2 *q, float *pdf)
+{
+    switch (p->way) {
+    case PANORAMA_CDF:       break;
+    case PANORAMA_ALIAS:     return place_by_alias(p, u, q, pdf);
+    case PANORAMA_MEDIANCUT: return mediancut_sample(&p->cut, u, true, q, pdf);
+    case PANORAMA_FIXED:     return mediancut_sample(&p->cut, u, false, q, pdf);
+    }
+    return table2_sample(&p->table, u, q, pdf);
 }
 
 bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
@@ -304,13 +423,15 @@ bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
     float pdf, jacobian;
     V2 q;
 
-    if (!table2_sample(&p->table, u, &q, &pdf))
+    if (!place_sample(p, u, &q, &pdf))
         return false;
     *d = mapping_direction(&p->mapping, q, &jacobian);
     if (!(jacobian > 0.0f))
         return false;
     *pdf_w = pdf / jacobian;
-    *value = lookup(p, q);
+    *value = p->way == PANORAMA_FIXED
+                 ? rgb_scale(p->region[mediancut_find(&p->cut, q)], 1.0f / jacobian)
+                 : lookup(p, q);
     return *pdf_w > 0.0f;
 }
 
@@ -329,4 +450,12 @@ double panorama_upward(const Panorama *p)
             sum += (double)rgb_lum(cell(p, x / nx, y / ny)) * jacobian * d_max(0.0, d.z);
         }
     return sum / ((double)w * h);
+}
+
+float uniform_estimate(float lum, V3 n) { return (v_len2(n) > 0.0f ? PI_F : 4.0f * PI_F) * lum; }
+
+float panorama_estimate(const Panorama *p, V3 n)
+{
+    float lum = rgb_lum(p->mean), flat = uniform_estimate(lum, n);
+    return f_max(flat + 2.0f * PI_F * v_dot(p->moment, n), 0.05f * flat);
 }

@@ -24,6 +24,7 @@
 #define SCENE_PANORAMA_H
 
 #include "sampling/table.h"
+#include "scene/mediancut.h"
 #include "scene/scene.h"
 
 typedef enum {
@@ -46,18 +47,34 @@ Mapping mapping_option(const Opts *o, const Image *image);
 
 /* A picture, looked up by cell (not between cells: so its density is above 0 wherever it is, see
  * errata 5.3), and sampled by luminance times solid angle. */
+typedef enum { PANORAMA_CDF, PANORAMA_ALIAS, PANORAMA_MEDIANCUT, PANORAMA_FIXED } PanoramaWay;
+
 typedef struct {
     Mapping mapping;
+    PanoramaWay way;            /* of sampling: by table; by alias, or by regions, if there are */
+    AliasTable alias;           /* owned */
+    MedianCut  cut;             /* owned */
+    Rgb       *region;          /* owned; of PANORAMA_FIXED: light of each over its area */
     const Image *image;         /* borrowed; NULL: white, and the picture is one cell */
     Table2 table;               /* owned */
     Rgb    mean;                /* over the solid angle */
+    V3     moment;              /* mean of luminance times direction */
 } Panorama;
 
 bool  panorama_init(Panorama *p, const Image *image, Mapping m);        /* false: memory */
+/* Makes what another way of sampling than by the running sums of `table` wants. The alias method
+ * has the same density; that of regions is even within each; and PANORAMA_FIXED gives only their
+ * middles, with the light of the whole region: biased. False: memory. */
+bool  panorama_set_way(Panorama *p, PanoramaWay way, int cuts);
 void  panorama_clear(Panorama *p);
 Rgb   panorama_at(const Panorama *p, V3 d);
 float panorama_pdf_w(const Panorama *p, V3 d);
 bool  panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
+/* A guess at the irradiance on a surface that looks along n, by luminance; n 0: from all round. The
+ * first two bands of spherical harmonics: pi mean + 2 pi moment.n [Ramamoorthi01], but at least a
+ * twentieth of what a uniform picture gave. */
+float panorama_estimate(const Panorama *p, V3 n);
+float uniform_estimate(float lum, V3 n);
 /* Integral of luminance times max(0, z): what falls on a surface that faces z. */
 double panorama_upward(const Panorama *p);
 

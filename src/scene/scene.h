@@ -135,6 +135,8 @@ typedef struct {
     void (*emit_pdf)(const Light *l, const Surface *hit, V3 d, float *pdf_a, float *pdf_w);
     /* Total power, watts (an estimate for textured ones); for selection. */
     Rgb (*power)(const Light *l);
+    /* See light_estimate. NULL: a delta light, whose one sample says it all. */
+    float (*estimate)(const Light *l, V3 p, V3 n);
 } LightKind;
 
 struct Light {                  /* first member of every concrete light */
@@ -156,7 +158,17 @@ INLINE Surface surface_at(V3 p, V3 err, V3 front, V2 uv)
     return s;
 }
 
+/* What the light would bring a matt surface at p that looks along n, with nothing in between: a
+ * guess at the irradiance, by luminance; n 0: at the light from all round. For choosing among
+ * lights, so it is above 0 wherever the light can bring anything at all from above the surface,
+ * and finite. */
+float light_estimate(const Light *l, V3 p, V3 n);
+
 /* ---- what lights share ---- */
+
+/* A guess at the mean of max(0, n.w) over the directions w to a ball of this radius in the
+ * direction and distance of `to`; above 0 unless the ball is surely below the horizon. n 0: 1. */
+float estimate_cosine(V3 n, V3 to, float radius);
 
 /* The frame of a light that has directions of its own, without its scale. False: the transform is
  * no rotation (or mirror image), reported. what: "an infinite light's". */

@@ -297,6 +297,17 @@ static Rgb power(const Light *base)
     return rgb_scale(all, 1.0f / stage_pdf_a(&l->stage));
 }
 
+static float estimate(const Light *base, V3 p, V3 n)
+{
+    const Sky *l = (const Sky *)base;
+    V3 up = affine_vector(&l->to_light, n);
+    float sine = sqrtf(l->height * (2.0f - l->height));
+
+    (void)p;
+    return panorama_estimate(&l->cells, up) +
+           rgb_lum(l->sun_L) * 2.0f * PI_F * l->height * estimate_cosine(up, l->sun, sine);
+}
+
 static const OptDef options[] = {
     { .key = "sundirection", .type = OPT_POINT, .str = "0 -1 1", .help = "to the sun; z is up" },
     { .key = "turbidity", .type = OPT_FLOAT, .num = 3, .lo = 2, .hi = 10,
@@ -317,5 +328,6 @@ static const OptDef options[] = {
 const LightKind light_sky = {
     .info = { "sky", "Preetham99; Kasten66", "a clear sky, its sun and the ground", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power
+    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .estimate = estimate
 };

@@ -1,0 +1,238 @@
+/* direct.c -- direct light: what lights show, and what has been scattered once on its way from a
+ * light to the eye.
+ *
+ * Source      [Cline07 4], all of it. The strategies stand in files of their own, see direct.h.
+ * Idea        The eye's ray ends on a light, whose radiance it brings, or where light scatters:
+ *             there a strategy estimates the light of one scattering, with samples of its own.
+ * Specular    Mirrors and glass show what is in them: delta events are followed, up to maxdepth
+ *             scattering events in all. With maxdepth=1 the picture is that of path:maxdepth=1,
+ *             to the last term; above, only those paths are added of which all events but the last
+ *             are delta.
+ * Media       Scatter as surfaces do: the eye's ray may end in one, and lights shine through them.
+ * Invariants  E[radiance] is the same for every strategy but ward, for scenes without delta lights
+ *             (uniform and brdf cannot find those, and say so). */
+#include "integrators/direct.h"
+
+#include "base/mem.h"
+#include "integrators/event.h"
+
+#define STRATEGIES_OF_DIRECT(X)                                                \
+    X(uniform)                  /* directions all alike */                     \
+    X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
+    X(ris)                      /* many tentatively, few of them looked at */
+#define DECLARE(name) extern const DirectStrategy direct_##name;
+#define ENTRY(name) &direct_##name,
+STRATEGIES_OF_DIRECT(DECLARE)
+const DirectStrategy *const direct_strategies[] = { STRATEGIES_OF_DIRECT(ENTRY) NULL };
+extern const DirectStrategy direct_sorted;      /* strategy=light with lights=ward or shirley */
+
+/* The eye's ray on its way through delta events. */
+typedef struct {
+    Ray  ray;
+    Rgb  throughput;
+    int  depth;                 /* scattering events so far */
+    uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
+    V3   p;                     /* where it started */
+    float way;                  /* from the eye */
+} Eye;
+
+static Rgb shown(const Eye *e, const Light *l, const Surface *hit, Tracer *t)
+{
+    Rgb c = rgb_mul(e->throughput, l->kind->radiance(l, e->ray.d, hit));
+
+    if (!rgb_black(c))
+        tracer_tally(t, e->depth + 1, STRATEGY_IMPLICIT, c);
+    return c;
+}
+
+static Rgb shown_beyond(const Direct *it, const Eye *e, Tracer *t)
+{
+    const Scene *s = it->base.scene;
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < s->ninfinite; i++)
+        sum = rgb_add(sum, shown(e, s->infinite[i], NULL, t));
+    return sum;
+}
+
+static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
+{
+    Event event = ARRIVES;
+    Hit h;
+
+    if (UNLIKELY(t->scene->nmedia))
+        event = ray_flies(t, &e->ray, &e->medium,
+                          sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)),
+                          &e->throughput, s, p);
+    else if (tracer_nearest(t, &e->ray, &h))
+        accel_surface(t->scene->accel, &e->ray, &h, s);
+    else
+        event = ESCAPES;
+    if (event == ARRIVES) {
+        e->way += v_len(v_sub(s->p, e->p));
+        s->width = e->way * t->spread;
+    }
+    return event;
+}
+
+/* The tally wants what is added to the picture: scaled here, by the throughput. */
+static Rgb scattered(const Direct *it, const Eye *e, const Turn *u, Tracer *t)
+{
+    Tally *tally = t->tally, own;
+    Rgb L;
+
+    if (tally) {
+        memset(&own, 0, sizeof own);
+        t->tally = &own;
+    }
+    L = it->strategy->light(it, u, t);
+    if (tally) {
+        for (int k = 0; k < TALLY_LENGTHS; k++)
+            tally->length[k] = rgb_add(tally->length[k], rgb_mul(e->throughput, own.length[k]));
+        for (int k = 0; k < STRATEGIES; k++)
+            tally->strategy[k] = rgb_add(tally->strategy[k],
+                                         rgb_mul(e->throughput, own.strategy[k]));
+        t->tally = tally;
+    }
+    return rgb_mul(e->throughput, L);
+}
+
+/* On through a mirror or a pane. False: the event is none of delta. */
+static bool follow(Eye *e, const Vertex *v, Tracer *t)
+{
+    BsdfSample bs;
+
+    if (!(v->b->flags & BSDF_SPECULAR) || !vertex_sample(v, t, e->depth, &bs) || bs.pdf_w > 0.0f)
+        return false;
+    e->throughput = rgb_mul(e->throughput, bs.weight);
+    e->ray = vertex_ray(v, bs.wi);
+    e->p = v->s.p;
+    e->medium = medium_beyond(&v->s, bs.wi, e->medium);
+    e->depth++;
+    return !rgb_black(e->throughput);
+}
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    const Direct *it = (const Direct *)base;
+    const Scene *scene = base->scene;
+    Eye e = { *r, { 1, 1, 1 }, 0, scene->around, r->o, 0.0f };
+    Rgb sum = rgb_all(0.0f);
+
+    for (;;) {
+        Vertex v;
+        V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
+        Turn u;
+        Event event = next_event(&e, &v.s, &p, t);
+        if (event == ESCAPES)
+            return rgb_add(sum, shown_beyond(it, &e, t));
+        if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
+            sum = rgb_add(sum, shown(&e, scene->lights[v.s.shape->light], &v.s, t));
+        if (e.depth >= it->maxdepth)
+            return sum;
+        if (event == SCATTERS) {
+            u = turn_within(scene, p, e.ray.d, e.ray.time, e.medium, e.depth);
+            return rgb_add(sum, scattered(it, &e, &u, t));
+        }
+        vertex_make(&v, scene, e.ray.d);
+        if (vertex_is_smooth(&v)) {
+            u = turn_on(&v, e.ray.d, e.medium, e.depth);
+            sum = rgb_add(sum, scattered(it, &e, &u, t));
+        }
+        if (!follow(&e, &v, t))
+            return sum;
+    }
+}
+
+/* ---- opening ---- */
+
+static void close_direct(Integrator *base)
+{
+    Direct *it = (Direct *)base;
+
+    if (it->strategy && it->strategy->close)
+        it->strategy->close(it);
+    lighting_clear(&it->lighting);
+    mem_free(it);
+}
+
+static bool choose_strategy(Direct *it, const Opts *o)
+{
+    static const char *const which[] = { "chosen", "all", "ward", "shirley" };
+    const char *name = opt_string(o, "strategy");
+
+    while (strcmp(which[it->which], opt_string(o, "lights")))
+        it->which++;
+    for (int i = 0; !it->strategy; i++)
+        if (!strcmp(direct_strategies[i]->name, name))
+            it->strategy = direct_strategies[i];
+    it->lighting.all = it->which == LIGHTS_ALL;
+    if (it->which == LIGHTS_ALL && (strcmp(name, "light") && strcmp(name, "mis")))
+        return err_usage("direct: lights=all goes with strategy=light or mis, not with %s", name);
+    if (it->which >= LIGHTS_WARD) {
+        if (strcmp(name, "light") || it->lighting.directions)
+            return err_usage("direct: lights=%s goes with strategy=light and occlusion=points, "
+                             "nothing else", which[it->which]);
+        it->strategy = &direct_sorted;
+    }
+    if (it->which == LIGHTS_WARD &&
+        !warn_at((Place){ NULL, 0, 0 }, "lights=ward is biased: %g of the light goes untested",
+                 (double)it->tolerance))
+        return false;
+    return it->strategy->finds_deltas || lighting_warn_of_deltas(it->base.scene, name);
+}
+
+static Integrator *open_direct(const Scene *s, const Opts *o)
+{
+    Direct *it = MEM_NEW(Direct);
+
+    if (!it)
+        return NULL;
+    it->base.scene = s;
+    it->maxdepth = (int)opt_int(o, "maxdepth");
+    it->lightsamples = (int)opt_int(o, "lightsamples");
+    it->bsdfsamples = (int)opt_int(o, "bsdfsamples");
+    it->tolerance = opt_float(o, "tolerance");
+    if (lighting_init(&it->lighting, s, o, opt_is(o, "strategy", "ris"),
+                      opt_is(o, "occlusion", "directions"))) {
+        if (choose_strategy(it, o) && (!it->strategy->open || it->strategy->open(it, o)))
+            return &it->base;
+    }
+    it->strategy = NULL;
+    close_direct(&it->base);
+    return NULL;
+}
+
+static const OptDef options[] = {
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "uniform brdf light mis ris",
+      .help = "directions all alike, by the surface, by lights, by both, or resampled" },
+    { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
+      .help = "samples of lights at each point (light, mis)" },
+    { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
+      .help = "directions from each point (uniform, brdf, mis)" },
+    LIGHTING_HEURISTIC,
+    LIGHTING_LIGHTSAMPLER,
+    { .key = "lights", .type = OPT_CHOICE, .str = "chosen", .choices = "chosen all ward shirley",
+      .help = "asked at each point: one by lightsampler; each; the brightest and a guess at the "
+              "rest (biased); the brightest and one of the rest" },
+    { .key = "tolerance", .type = OPT_FLOAT, .num = 0.1, .lo = 0, .hi = 1,
+      .help = "part of the light that ward and shirley leave to the rest" },
+    { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = TENTATIVE_MOST,
+      .help = "ris: samples without shadow rays" },
+    { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
+      .help = "ris: how many of them are kept" },
+    { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
+      .help = "ris: part of the tentative samples that go by lights, the others by the surface" },
+    { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
+      .help = "samples of lights are points of them, wasted if hidden, or directions, in which "
+              "whatever shines counts" },
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
+      .help = "most scattering events, all but the last by perfect mirrors and glass" },
+    { .key = NULL }
+};
+
+const IntegratorKind integrator_direct = {
+    .info = { "direct", "Cline07 4", "direct light, by any of many strategies", options },
+    .truth = BIASED, .misses = "light scattered more than once, but for mirrors and glass",
+    .open = open_direct, .close = close_direct, .radiance = radiance
+};

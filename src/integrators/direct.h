@@ -1,0 +1,37 @@
+/* direct.h -- the integrator `direct` and its strategies. direct.c has the list of them; one file
+ * a strategy. */
+#ifndef INTEGRATORS_DIRECT_H
+#define INTEGRATORS_DIRECT_H
+
+#include "integrators/lighting.h"
+
+typedef struct Direct Direct;
+
+typedef struct {
+    const char *name, *source, *help;
+    bool finds_deltas;          /* point and distant lights */
+    /* Looks at the options; the Direct is there but for `own`. False: reported. NULL: nothing. */
+    bool (*open)(Direct *it, const Opts *o);
+    void (*close)(Direct *it);  /* NULL: nothing is owned */
+    /* One estimate of the light that the turn scatters towards the viewer without delta events,
+     * having come straight from a light. */
+    Rgb (*light)(const Direct *it, const Turn *u, Tracer *t);
+} DirectStrategy;
+
+extern const DirectStrategy *const direct_strategies[];         /* ends with NULL */
+
+typedef enum { LIGHTS_CHOSEN, LIGHTS_ALL, LIGHTS_WARD, LIGHTS_SHIRLEY } WhichLights;
+
+struct Direct {
+    Integrator base;
+    Lighting lighting;          /* owned */
+    const DirectStrategy *strategy;
+    int   lightsamples, bsdfsamples;
+    int   maxdepth;             /* most scattering events between eye and light */
+    WhichLights which;
+    float tolerance;            /* of ward and shirley: a share of all, untested */
+    Resampling resampling;
+    void *own;                  /* of the strategy */
+};
+
+#endif

@@ -1,0 +1,92 @@
+/* direct_mis.c -- direct light by multiple importance sampling: some directions by the lights, some
+ * by the surface, each weighed by the heuristic on what both would have done.
+ *
+ * Source: [Cline07 4.4.1 to 4.4.3], [Veach97 9.2]. The two ways by themselves are the cases in
+ * which the other one has no samples: then all weights are 1. */
+#include "integrators/direct.h"
+
+static Rgb by_scattering(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
+{
+    Draw draw, first = draw_first(t, u, DECIDE_LOBE, DECIDE_DIRECTION);
+    Rgb sum = rgb_all(0.0f);
+    Candidate c;
+
+    for (int i = 0; i < it->bsdfsamples; i++) {
+        draw = draw_number(&first, (uint32_t)i);
+        if (candidate_by_scattering(&it->lighting, u, &draw, nl, ns, t, &c))
+            sum = rgb_add(sum, candidate_light(&c, u, t));
+    }
+    return sum;
+}
+
+static Rgb by_chosen_light(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
+{
+    Draw draw, first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    Rgb sum = rgb_all(0.0f);
+    Candidate c;
+
+    for (int i = 0; i < it->lightsamples; i++) {
+        draw = draw_number(&first, (uint32_t)i);
+        if (candidate_by_light(&it->lighting, u, &draw, nl, ns, t, &c))
+            sum = rgb_add(sum, candidate_light(&c, u, t));
+    }
+    return sum;
+}
+
+/* Every light has its shadow rays, and numbers further on round the cube. */
+static Rgb by_all_lights(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
+{
+    Draw draw, first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    uint32_t number = 0;
+    Rgb sum = rgb_all(0.0f);
+    Candidate c;
+
+    for (size_t k = 0; k < it->base.scene->nlights; k++) {
+        const Light *l = it->base.scene->lights[k];
+        for (int i = 0; i < it->lightsamples; i++) {
+            draw = draw_number(&first, number++);
+            if (candidate_of_light(&it->lighting, u, l, 1.0f, draw.point, nl, ns, t, &c))
+                sum = rgb_add(sum, candidate_light(&c, u, t));
+            if (l->kind->delta)         /* which says the same again */
+                break;
+        }
+    }
+    return sum;
+}
+
+static Rgb light_by(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    if (nl > 0.0f)
+        sum = it->which == LIGHTS_ALL ? by_all_lights(it, u, nl, ns, t)
+                                      : by_chosen_light(it, u, nl, ns, t);
+    return ns > 0.0f ? rgb_add(sum, by_scattering(it, u, nl, ns, t)) : sum;
+}
+
+static Rgb mis(const Direct *it, const Turn *u, Tracer *t)
+{
+    return light_by(it, u, (float)it->lightsamples, (float)it->bsdfsamples, t);
+}
+
+static Rgb brdf(const Direct *it, const Turn *u, Tracer *t)
+{
+    return light_by(it, u, 0.0f, (float)it->bsdfsamples, t);
+}
+
+static Rgb by_lights(const Direct *it, const Turn *u, Tracer *t)
+{
+    return light_by(it, u, (float)it->lightsamples, 0.0f, t);
+}
+
+const DirectStrategy direct_brdf = {
+    .name = "brdf", .source = "Cline07 4.4.1", .help = "directions by the surface", .light = brdf
+};
+const DirectStrategy direct_light = {
+    .name = "light", .source = "Cline07 4.4.2", .help = "points of lights", .finds_deltas = true,
+    .light = by_lights
+};
+const DirectStrategy direct_mis = {
+    .name = "mis", .source = "Cline07 4.4.3; Veach97", .help = "both, weighed",
+    .finds_deltas = true, .light = mis
+};

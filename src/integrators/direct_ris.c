@@ -1,0 +1,20 @@
+/* direct_ris.c -- direct light by resampled importance sampling. See resample.c.
+ * Source: [Cline07 4.4.4]; 64 tentative samples of which 8 are kept are those of figure 4.10. */
+#include "integrators/direct.h"
+
+static bool open_ris(Direct *it, const Opts *o)
+{
+    it->resampling = resampling_of((int)opt_int(o, "tentative"), (int)opt_int(o, "samples"),
+                                   opt_float(o, "lightshare"));
+    return true;
+}
+
+static Rgb light(const Direct *it, const Turn *u, Tracer *t)
+{
+    return resample(&it->lighting, &it->resampling, u, t);
+}
+
+const DirectStrategy direct_ris = {
+    .name = "ris", .source = "Cline07 4.4.4", .help = "many tentative samples, few are kept",
+    .finds_deltas = true, .open = open_ris, .light = light
+};

@@ -1,0 +1,112 @@
+/* shining.c -- the shapes that shine. See shining.h. */
+#include "scene/shining.h"
+
+#include "base/mem.h"
+
+/* A mesh of its own of the triangles of a shape. */
+static bool copy_mesh(Mesh *m, const Geometry *g, const Shape *s)
+{
+    uint32_t least = UINT32_MAX, most = 0;
+
+    for (uint32_t i = 0; i < s->count; i++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = g->tri[s->first + i].v[k];
+            least = v < least ? v : least;
+            most = v > most ? v : most;
+        }
+    m->nverts = most - least + 1;
+    m->ntris = s->count;
+    m->p = MEM_ARRAY(V3, m->nverts);
+    m->tri = MEM_ARRAY(Tri, m->ntris);
+    m->n = s->n ? MEM_ARRAY(V3, m->nverts) : NULL;
+    m->uv = s->uv ? MEM_ARRAY(V2, m->nverts) : NULL;
+    if (!m->p || !m->tri || (s->n && !m->n) || (s->uv && !m->uv))
+        return false;
+    memcpy(m->p, g->p + least, m->nverts * sizeof *m->p);
+    if (s->n)
+        memcpy(m->n, s->n + (least - s->first_vertex), m->nverts * sizeof *m->n);
+    if (s->uv)
+        memcpy(m->uv, s->uv + (least - s->first_vertex), m->nverts * sizeof *m->uv);
+    for (uint32_t i = 0; i < s->count; i++)
+        for (int k = 0; k < 3; k++)
+            m->tri[i].v[k] = g->tri[s->first + i].v[k] - least;
+    return true;
+}
+
+static bool add_copy(Geometry *to, const Geometry *from, const Shape *s)
+{
+    ShapeTraits traits = { s->material, s->light, s->flip };
+    Mesh m = { 0 };
+    uint32_t index;
+    bool ok;
+
+    switch (s->kind) {
+    case SHAPE_MESH:
+        if (s->count == 0)
+            return true;
+        ok = copy_mesh(&m, from, s) && geometry_add_mesh(to, &m, traits, &index);
+        mesh_clear(&m);
+        break;
+    case SHAPE_SPHERE:
+        ok = geometry_add_sphere(to, &s->as.sphere, traits, &index);
+        break;
+    case SHAPE_DISK:
+        ok = geometry_add_disk(to, &s->as.disk, traits, &index);
+        break;
+    default:
+        return true;
+    }
+    if (ok)
+        to->shapes[index].plain = s->plain;
+    return ok;
+}
+
+bool shining_init(Shining *l, const Scene *s)
+{
+    const AccelKind *kind = kind_find(accels, ACCEL_DEFAULT);
+    const Geometry *world = &s->geometries[0];
+    bool ok = true, copied = true;
+    Opts o;
+
+    memset(l, 0, sizeof *l);
+    l->scene = s;
+    l->none = true;
+    for (size_t i = 0; i < world->nshapes; i++) {
+        l->none &= world->shapes[i].light == NO_LIGHT;
+        copied &= world->shapes[i].light == NO_LIGHT || world->shapes[i].kind != SHAPE_TESSELLATION;
+    }
+    if (l->none || !copied)
+        return true;
+    for (size_t i = 0; i < world->nshapes && ok; i++)
+        if (world->shapes[i].light != NO_LIGHT)
+            ok = add_copy(&l->geometry, world, &world->shapes[i]);
+    opts_default(&o, kind->info.options);
+    ok = ok && geometry_finish(&l->geometry);
+    l->accel = ok ? accel_build_as_is(kind, &l->geometry, &o, 1) : NULL;
+    if (!l->accel)
+        shining_clear(l);
+    return l->accel != NULL;
+}
+
+void shining_clear(Shining *l)
+{
+    accel_free(l->accel);
+    geometry_clear(&l->geometry);
+    memset(l, 0, sizeof *l);
+}
+
+bool shining_next(const Shining *l, Ray *r, Surface *s)
+{
+    const Accel *a = l->accel ? l->accel : l->scene->accel;
+    Hit h;
+
+    if (l->none)
+        return false;
+    while (accel_nearest(a, r, &h)) {
+        accel_surface(a, r, &h, s);
+        r->o = ray_origin(s->p, s->err, s->ng, r->d);
+        if (s->shape->light != NO_LIGHT)
+            return true;
+    }
+    return false;
+}
