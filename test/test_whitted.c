@@ -368,8 +368,8 @@ static void test_walls(void)
 static void test_textured_walls(void)
 {
     static const char *const shapes[] = {
-        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 10 0 0 0 10 0 10 10 0] "
-        "\"point2 uv\" [0 0 1 0 0 1 1 1]\n",
+        ("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 10 0 0 0 10 0 10 10 0] "
+         "\"point2 uv\" [0 0 1 0 0 1 1 1]\n"),
         "Shape \"disk\" \"float radius\" 3\n", "Shape \"sphere\" \"float radius\" 3\n" };
     static const double areas[] = { 100, 9 * PI, 36 * PI };
     char text[1000];
