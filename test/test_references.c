@@ -27,7 +27,7 @@ typedef struct {
 static const Reference references[] = {
     { "cornell-box", "256x256", { NULL }, "", 16, 256, 0.02 },
     { "veach-mis", "320x180", { "Smooth", "Glossy", "Rough", "SuperRough", NULL },
-      BLACK TINTED("Smooth") TINTED("Glossy") TINTED("Rough") TINTED("SuperRough"), 16, 256, 0.02 },
+      BLACK TINTED("Smooth") TINTED("Glossy") TINTED("Rough") TINTED("SuperRough"), 64, 256, 0.02 },
     { "veach-ajar", "320x180", { "Floor", NULL },
       "Texture \"tiles\" \"float\" \"checkerboard\" \"float uscale\" 20 \"float vscale\" 80\n"
       "\"float tex1\" 0.2 \"float tex2\" 0.8\n" BLACK
