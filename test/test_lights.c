@@ -386,7 +386,7 @@ static void fixed_lights(void)
     enum { N = 4096, LIGHTS = 32 };
     V3 seen[LIGHTS];
     double sum = 0, all;
-    int lights = 0;
+    int directions = 0;
     const Light *light;
     Lab l;
 
@@ -400,14 +400,14 @@ static void fixed_lights(void)
         int k = 0;
         REQUIRE(light->kind->sample(light, v_all(0), (V2){ (i + 0.5f) / N, 0.3f }, &s), "a draw");
         sum += (double)(rgb_lum(s.L) / s.pdf_w) / N;
-        while (k < lights && v_len2(v_sub(seen[k], s.wi)) > 1e-6f)
+        while (k < directions && v_len2(v_sub(seen[k], s.wi)) > 1e-6f)
             k++;
         REQUIRE(k < LIGHTS, "more than %d lights", LIGHTS);
         seen[k] = s.wi;
-        lights += k == lights;
+        directions += k == directions;
     }
     EXPECT(fabs(sum / all - 1) < 1e-2, "light %g, it is %g", sum, all);
-    EXPECT(lights >= LIGHTS / 2, "%d lights", lights);
+    EXPECT(directions >= LIGHTS / 2, "%d directions", directions);
     lab_clear(&l);
 }
 

@@ -267,7 +267,7 @@ static bool all_known(const char *what, const OptDef *defs, Params *ps)
 {
     for (size_t i = 0; i < ps->n; i++) {
         Params one = { &ps->p[i], 1 };
-        const char *names[OPT_MAX], *near;
+        const char *names[OPT_MAX] = { NULL }, *near;
         size_t n = 0;
         bool known = false;
         for (; defs && defs[n].key; n++) {
