@@ -3,7 +3,7 @@
  * Pictures    four small scenes: lamps and a glossy ball; a sphere light; a picture of the sky;
  *             many lights, delta ones among them. Every strategy against path:maxdepth=1, by tiles.
  * Closed      a lamp over a floor, a lamp behind a lamp, a sky: irradiance as theory has it.
- * Resampling  the estimator of [Cline07 (4.9)] by itself, on the toy of errata 4.1.
+ * Resampling  variance falls as tentative samples grow.
  * Bad input   no light, black ones, ones without extent: black pictures, never NaN. */
 #include "geometry/generate.h"
 #include "integrators/lighting.h"
