@@ -304,13 +304,11 @@ static Box centres_of(const Ref *refs, size_t n)
  * for which processors need not wait. */
 INLINE void refs_exchange(Ref *a, Ref *b)
 {
-    uint64_t x[3], y[3];
+    Box x = a->box, y = b->box;         /* tcc 0.9.27 gets copies by memcpy wrong here */
     uint32_t p = a->prim, q = b->prim;
 
-    memcpy(x, a, sizeof x);
-    memcpy(y, b, sizeof y);
-    memcpy(a, y, sizeof y);
-    memcpy(b, x, sizeof x);
+    a->box = y;
+    b->box = x;
     a->prim = q;
     b->prim = p;
 }
