@@ -10,15 +10,35 @@
  * what the program can do, and the median what it did. */
 enum { RUNS = 15 };
 
-bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
-                  uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report)
+bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report)
 {
     ReadLimits limits = READ_LIMITS_DEFAULT;
-    RenderRequest q;
+    RenderRequest q = *asked;
     RenderSettings s;
     SceneFile f;
     Film film;
     bool ok;
+
+    q.seed_given = true;
+    q.max_pixels = limits.max_pixels;
+    if (!scenefile_read(&f, scene, &limits))
+        return false;
+    ok = settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, q.threads) &&
+         render(f.scene, &s, &film, report);
+    if (ok) {
+        ok = !im || image_init(im, film.w, film.h);
+        if (ok && im)
+            film_picture(&film, 0, im);
+        film_clear(&film);
+    }
+    scenefile_clear(&f);
+    return ok;
+}
+
+bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
+                  uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report)
+{
+    RenderRequest q;
 
     memset(&q, 0, sizeof q);
     q.integrator = integrator;
@@ -27,21 +47,7 @@ bool bench_render(const char *scene, const char *integrator, const char *sampler
     q.w = q.h = side;
     q.threads = threads;
     q.seed = seed;
-    q.seed_given = true;
-    q.max_pixels = limits.max_pixels;
-    if (!scenefile_read(&f, scene, &limits))
-        return false;
-    ok = settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, threads) &&
-         render(f.scene, &s, &film, report);
-    if (ok && im) {
-        ok = image_init(im, film.w, film.h);
-        if (ok)
-            film_picture(&film, 0, im);
-    }
-    if (ok)
-        film_clear(&film);
-    scenefile_clear(&f);
-    return ok;
+    return bench_picture(scene, &q, im, report);
 }
 
 static double most(const double *v, int n)
