@@ -221,3 +221,13 @@ const char *nearest_name(const char *word, const char *const *names, size_t n)
     }
     return best;
 }
+
+const char *hint_nearest(char hint[HINT_MAX], const char *word, const char *const *names, size_t n)
+{
+    const char *near = nearest_name(word, names, n);
+
+    hint[0] = 0;
+    if (near)
+        snprintf(hint, HINT_MAX, ", did you mean '%.100s'?", near);
+    return hint;
+}

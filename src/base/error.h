@@ -51,6 +51,11 @@ void     err_reset(void);                /* forget: a new run of the program in 
 /* The entry of names[0..n) nearest to `word` by edit distance, or NULL if none is near.
  * Case does not count. Borrowed from names. */
 const char *nearest_name(const char *word, const char *const *names, size_t n);
+/* ", did you mean 'that entry'?", or "" if none is near: what a message about an unknown word goes
+ * on with. Returns hint. */
+enum { HINT_MAX = 160 };
+const char *hint_nearest(char hint[HINT_MAX], const char *word, const char *const *names,
+                         size_t n);
 
 void err_bug(const char *file, int line, const char *what);              /* prints, then abort() */
 #define ASSERT(c) ((c) ? (void)0 : err_bug(__FILE__, __LINE__, #c))

@@ -21,11 +21,11 @@ const void *kind_find(const void *list, const char *name)
 const void *kind_find_at(Place at, const void *list, const char *what, const char *name)
 {
     enum { MOST = 64 };
-    const char *names[MOST], *near;
+    const char *names[MOST];
     const void *found = kind_find(list, name);
     const KindInfo *info;
     size_t n = 0;
-    char have[500] = "";
+    char have[500] = "", hint[HINT_MAX];
 
     if (found)
         return found;
@@ -36,13 +36,11 @@ const void *kind_find_at(Place at, const void *list, const char *what, const cha
             strcat(have, info->name);
         }
     }
-    near = nearest_name(name, names, n);
+    hint_nearest(hint, name, names, n);
     if (at.file)
-        err_at(at, "unknown %s '%s'%s%s%s (have:%s)", what, name, near ? ", did you mean '" : "",
-               near ? near : "", near ? "'?" : "", have);
+        err_at(at, "unknown %s '%s'%s (have:%s)", what, name, hint, have);
     else
-        err_usage("unknown %s '%s'%s%s%s (have:%s)", what, name, near ? ", did you mean '" : "",
-                  near ? near : "", near ? "'?" : "", have);
+        err_usage("unknown %s '%s'%s (have:%s)", what, name, hint, have);
     return NULL;
 }
 

@@ -68,13 +68,13 @@ static int index_of(const OptDef *defs, const char *key, size_t n)
     return -1;
 }
 
-static const char *nearest_key(const OptDef *defs, const char *key)
+static const char *hint_key(char hint[HINT_MAX], const OptDef *defs, const char *key)
 {
     const char *names[OPT_MAX];
     size_t n = 0;
     for (; defs && defs[n].key; n++)
         names[n] = defs[n].key;
-    return nearest_name(key, names, n);
+    return hint_nearest(hint, key, names, n);
 }
 
 /* "[0, 100]" or "true or false" and the like, for messages. */
@@ -168,17 +168,14 @@ bool opts_parse(Opts *o, const char *what, const char *text, Arena *arena)
 {
     while (*text) {
         size_t n = strcspn(text, ","), k = 0;
-        char key[64], buf[200];
+        char key[64], buf[200], hint[HINT_MAX];
         int i;
         while (k < n && text[k] != '=')
             k++;
         word_copy(key, sizeof key, (Word){ text, k });
         i = index_of(o->defs, text, k);
-        if (i < 0) {
-            const char *near = nearest_key(o->defs, key);
-            return err_usage("%s has no option '%s'%s%s%s", what, key,
-                             near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
-        }
+        if (i < 0)
+            return err_usage("%s has no option '%s'%s", what, key, hint_key(hint, o->defs, key));
         if (k == n && o->defs[i].type == OPT_BOOL)      /* a bare word switches on */
             o->value[i].num = 1;
         else if (k == n || !set_from_text(&o->defs[i], &o->value[i], text + k + 1, n - k - 1,
@@ -250,12 +247,11 @@ bool opts_params(Opts *o, const char *what, const Params *ps)
     }
     for (size_t i = 0; i < ps->n; i++) {
         const Param *p = &ps->p[i];
-        const char *near;
+        char hint[HINT_MAX];
         if (p->used)
             continue;
-        near = nearest_key(o->defs, p->name);
-        if (!warn_at(p->at, "%s has no parameter '%s'%s%s%s; it is left out", what, p->name,
-                     near ? ", did you mean '" : "", near ? near : "", near ? "'?" : ""))
+        if (!warn_at(p->at, "%s has no parameter '%s'%s; it is left out", what, p->name,
+                     hint_key(hint, o->defs, p->name)))
             return false;
     }
     return true;

@@ -9,16 +9,15 @@
 
 static bool unknown(const Command *c, const char *word, size_t n)
 {
-    const char *names[64], *near;
-    char name[64];
+    const char *names[64];
+    char name[64], hint[HINT_MAX];
     size_t count = 0;
 
     for (; c->args[count].name && count < 64; count++)
         names[count] = c->args[count].name;
     snprintf(name, sizeof name, "%.*s", (int)n, word);
-    near = nearest_name(name, names, count);
-    return err_usage("%s: unknown option '%s'%s%s%s; see rushlight help %s", c->name, name,
-                     near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "", c->name);
+    return err_usage("%s: unknown option '%s'%s; see rushlight help %s", c->name, name,
+                     hint_nearest(hint, name, names, count), c->name);
 }
 
 bool args_parse(const Command *c, int argc, char **argv,

@@ -25,7 +25,8 @@ static const Command *find(const char *name)
 static const Command *command_for(const char *word, bool *is_file)
 {
     const Command *c = find(word);
-    const char *names[16], *near;
+    const char *names[16];
+    char hint[HINT_MAX];
     size_t n = 0;
 
     *is_file = false;
@@ -37,9 +38,8 @@ static const Command *command_for(const char *word, bool *is_file)
     }
     for (; commands[n] && n < 16; n++)
         names[n] = commands[n]->name;
-    near = nearest_name(word, names, n);
-    err_usage("unknown command '%s'%s%s%s; see rushlight help", word,
-              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    err_usage("unknown command '%s'%s; see rushlight help", word,
+              hint_nearest(hint, word, names, n));
     return NULL;
 }
 

@@ -30,7 +30,8 @@ static void describe(const Command *c)
 
 static bool set(void *ctx, int k, const char *value)
 {
-    const char *names[16], *near;
+    const char *names[16];
+    char hint[HINT_MAX];
     size_t n = 0;
 
     (void)k;
@@ -43,9 +44,8 @@ static bool set(void *ctx, int k, const char *value)
             return true;
         }
     }
-    near = nearest_name(value, names, n);
-    return err_usage("unknown command '%s'%s%s%s; see rushlight help", value,
-                     near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return err_usage("unknown command '%s'%s; see rushlight help", value,
+                     hint_nearest(hint, value, names, n));
 }
 
 static const ArgDef args[] = { { NULL, NULL, NULL } };

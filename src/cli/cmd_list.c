@@ -96,8 +96,9 @@ static void print_set(int s)
 
 static bool set(void *ctx, int k, const char *value)
 {
-    const char *names[SETS], *near;
-    char have[200] = "";
+    const char *names[SETS];
+    char have[200] = "", hint[HINT_MAX];
+
     (void)k;
     if (*(int *)ctx >= 0)
         return err_usage("list takes one kind");
@@ -112,9 +113,8 @@ static bool set(void *ctx, int k, const char *value)
             return true;
         }
     }
-    near = nearest_name(value, names, SETS);
-    return err_usage("unknown kind '%s'%s%s%s (have: %s)", value, near ? ", did you mean '" : "",
-                     near ? near : "", near ? "'?" : "", have);
+    return err_usage("unknown kind '%s'%s (have: %s)", value,
+                     hint_nearest(hint, value, names, SETS), have);
 }
 
 static const ArgDef args[] = { { NULL, NULL, NULL } };

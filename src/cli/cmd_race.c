@@ -6,15 +6,14 @@
 #include "cli/args.h"
 #include "cli/interrupt.h"
 #include "cli/racetable.h"
+#include "cli/sceneargs.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum {
     ARG_WITH, ARG_SPP, ARG_TIME, ARG_REFERENCE, ARG_REFERENCE_WITH, ARG_REFERENCE_SPP,
-    ARG_REFERENCE_TIME, ARG_SAMPLER, ARG_FILTER, ARG_ACCEL, ARG_SIZE, ARG_CROP, ARG_THREADS,
-    ARG_SEED, ARG_OUTPUT, ARG_AUTOSAVE, ARG_CSV, ARG_PLOT, ARG_QUIET, ARG_STRICT, ARG_MAX_PIXELS,
-    ARG_MAX_MEMORY, ARG_MAX_INCLUDE, ARG_MAX_FILE
+    ARG_REFERENCE_TIME, ARG_OUTPUT, ARG_AUTOSAVE, ARG_CSV, ARG_PLOT, ARG_SCENE
 };
 
 static const ArgDef args[] = {
@@ -25,23 +24,11 @@ static const ArgDef args[] = {
     { "--reference-with", "METHOD", "of auto; default path" },
     { "--reference-spp", "N", "of auto, each of two halves; default 16 x the last checkpoint" },
     { "--reference-time", "S", "likewise; default 4 x the last checkpoint by time" },
-    { "--sampler", "NAME[:KEY=VALUE,...]", "of methods that do not say one" },
-    { "--filter", "NAME[:KEY=VALUE,...]", "pixel filter; see list filters" },
-    { "--accel", "NAME[:KEY=VALUE,...]", "structure for rays; see list accelerators" },
-    { "--size", "WxH", "of the picture, pixels" },
-    { "--crop", "X0,Y0,X1,Y1", "render this window only (half open)" },
-    { "--threads", "N", "default: all processors" },
-    { "--seed", "N", "of the random numbers; default 0" },
     { "-o", "FILE", "write each method's picture, as FILE with its number and name put in" },
     { "--autosave", "S,S,...", "write them also after so many seconds of rendering" },
     { "--csv", "FILE", "write all checkpoints, for programs" },
     { "--plot", "FILE.svg", "write a plot of error against samples and seconds" },
-    { "--quiet", NULL, "no progress" },
-    { "--strict", NULL, "warnings are errors" },
-    { "--max-pixels", "N", "of any image; default 268435456" },
-    { "--max-memory", "MIB", "held at once; default: no limit" },
-    { "--max-include", "N", "depth of Include; default 64" },
-    { "--max-file", "MIB", "size of one input file; default 8192" },
+    SCENE_ARGS,
     { NULL, NULL, NULL }
 };
 
@@ -104,61 +91,11 @@ static bool set_reference(Line *l, const char *value)
     return true;
 }
 
-static bool set_output(RaceOrder *o, const char *value)
-{
-    if (o->noutputs == OUTPUTS_MAX)
-        return err_usage("at most %d -o are possible", OUTPUTS_MAX);
-    o->outputs[o->noutputs++] = value;
-    return image_format_for_writing(value) != NULL;
-}
-
-static bool set_limit(Line *l, int k, const char *value)
-{
-    const char *name = args[k].name;
-    int64_t n = 0;
-    bool ok = true;
-
-    switch (k) {
-    case ARG_QUIET:       messages_quiet(true); break;
-    case ARG_STRICT:      warnings_fatal(true); break;
-    case ARG_MAX_PIXELS:  ok = arg_int(name, value, 1, (int64_t)1 << 40, &n);
-                          l->limits.max_pixels = (uint64_t)n; break;
-    case ARG_MAX_MEMORY:  ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
-                          mem_limit((uint64_t)n > SIZE_MAX >> 20 ? SIZE_MAX : (size_t)n << 20);
-                          break;
-    case ARG_MAX_INCLUDE: ok = arg_int(name, value, 1, 10000, &n);
-                          l->limits.max_include = (int)n; break;
-    case ARG_MAX_FILE:    ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
-                          l->limits.max_file = (uint64_t)n << 20; break;
-    default: break;
-    }
-    return ok;
-}
-
-static bool set_number(RaceOrder *o, int k, const char *value)
-{
-    RenderRequest *q = &o->request;
-    const char *name = args[k].name;
-    int64_t n = 0;
-    bool ok = true;
-
-    switch (k) {
-    case ARG_REFERENCE_SPP:  ok = arg_int(name, value, 1, UINT32_MAX - 1, &n);
-                             o->reference_spp = (uint32_t)n; break;
-    case ARG_REFERENCE_TIME: ok = arg_number(name, value, 1e-3, 1e9, &o->reference_seconds); break;
-    case ARG_THREADS:        ok = arg_int(name, value, 1, WORKERS_MAX, &n);
-                             q->threads = (int)n; break;
-    case ARG_SEED:           ok = arg_int(name, value, 0, INT64_MAX, &n); q->seed = (uint64_t)n;
-                             q->seed_given = true; break;
-    default: break;
-    }
-    return ok;
-}
-
 static bool set_rest(Line *l, int k, const char *value)
 {
     RaceOrder *o = &l->order;
-    RenderRequest *q = &o->request;
+    const char *name = args[k].name;
+    int64_t n = 0;
 
     switch (k) {
     case ARG_WITH:           return race_add_method(o, value);
@@ -166,28 +103,28 @@ static bool set_rest(Line *l, int k, const char *value)
     case ARG_TIME:           return set_budget(l, k, value);
     case ARG_REFERENCE:      return set_reference(l, value);
     case ARG_REFERENCE_WITH: return race_method_parse(&o->reference_method, value, &o->arena);
-    case ARG_SAMPLER:        q->sampler = value; return true;
-    case ARG_FILTER:         q->filter = value; return true;
-    case ARG_ACCEL:          q->accel = value; return true;
-    case ARG_SIZE:           return arg_size("--size", value, &q->w, &q->h);
-    case ARG_CROP:           q->crop_given = true; return arg_window("--crop", value, q->crop);
-    case ARG_OUTPUT:         return set_output(o, value);
+    case ARG_REFERENCE_SPP:  if (!arg_int(name, value, 1, UINT32_MAX - 1, &n))
+                                 return false;
+                             o->reference_spp = (uint32_t)n;
+                             return true;
+    case ARG_REFERENCE_TIME: return arg_number(name, value, 1e-3, 1e9, &o->reference_seconds);
+    case ARG_OUTPUT:         return output_add(o->outputs, &o->noutputs, value);
     case ARG_AUTOSAVE:       return set_list(o, k, value, race_autosave_set);
     case ARG_CSV:            o->csv = value; return true;
     case ARG_PLOT:           o->plot = value; return true;
-    default:                 return set_number(o, k, value);
+    default:                 return scene_arg_set((SceneArg)(k - ARG_SCENE), value, &o->request,
+                                                  &l->limits);
     }
 }
 
 static bool set(void *ctx, int k, const char *value)
 {
     Line *l = ctx;
+    bool limit = k >= ARG_SCENE + SCENE_QUIET;
 
-    if (!l->limits_only)
-        return k < 0 || k >= ARG_QUIET || set_rest(l, k, value);
-    if (k >= ARG_QUIET)
-        return set_limit(l, k, value);
     if (k >= 0)
+        return limit != l->limits_only || set_rest(l, k, value);
+    if (!l->limits_only)
         return true;
     if (l->file)
         return err_usage("race takes one scene or one file of a race, got '%s' and '%s'", l->file,

@@ -4,40 +4,27 @@
 #include "base/work.h"
 #include "cli/args.h"
 #include "cli/interrupt.h"
-#include "render/render.h"
+#include "cli/sceneargs.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum {
-    ARG_OUTPUT, ARG_INTEGRATOR, ARG_ACCEL, ARG_SAMPLER, ARG_FILTER, ARG_SPP, ARG_TIME, ARG_ERROR,
-    ARG_ADAPTIVE, ARG_SIZE, ARG_CROP, ARG_THREADS, ARG_SEED, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE,
-    ARG_QUIET, ARG_STRICT, ARG_MAX_PIXELS, ARG_MAX_MEMORY, ARG_MAX_INCLUDE, ARG_MAX_FILE
+    ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_TONEMAP,
+    ARG_EXPOSURE, ARG_SCENE
 };
 
 static const ArgDef args[] = {
     { "-o", "FILE", "picture to write; the extension picks the format; may be given again" },
     { "--integrator", "NAME[:KEY=VALUE,...]", "how light travels; see list integrators" },
-    { "--accel", "NAME[:KEY=VALUE,...]", "structure for rays; see list accelerators" },
-    { "--sampler", "NAME[:KEY=VALUE,...]", "where samples go; see list samplers" },
-    { "--filter", "NAME[:KEY=VALUE,...]", "pixel filter; see list filters" },
     { "--spp", "N", "samples a pixel; with --error the most, with --adaptive alone the mean" },
     { "--time", "SECONDS", "of rendering, instead of a sample count" },
     { "--error", "X", "stop at this estimated sigma/mu" },
     { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
-    { "--size", "WxH", "of the picture, pixels" },
-    { "--crop", "X0,Y0,X1,Y1", "render this window only (half open)" },
-    { "--threads", "N", "default: all processors" },
-    { "--seed", "N", "of the random numbers; default 0" },
     { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME samples" },
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
-    { "--quiet", NULL, "no progress, no summary" },
-    { "--strict", NULL, "warnings are errors" },
-    { "--max-pixels", "N", "of any image; default 268435456" },
-    { "--max-memory", "MIB", "held at once; default: no limit" },
-    { "--max-include", "N", "depth of Include; default 64" },
-    { "--max-file", "MIB", "size of one input file; default 8192" },
+    SCENE_ARGS,
     { NULL, NULL, NULL }
 };
 
@@ -59,14 +46,6 @@ static bool set_aov(Line *l, const char *value)
     return true;
 }
 
-static bool set_output(Line *l, const char *value)
-{
-    if (l->noutputs == OUTPUTS_MAX)
-        return err_usage("at most %d -o are possible", OUTPUTS_MAX);
-    l->outputs[l->noutputs++] = value;
-    return image_format_for_writing(value) != NULL;
-}
-
 static bool set_number(Line *l, int k, const char *value)
 {
     RenderRequest *q = &l->request;
@@ -76,23 +55,11 @@ static bool set_number(Line *l, int k, const char *value)
     bool ok = true;
 
     switch (k) {
-    case ARG_SPP:         ok = arg_int(name, value, 1, UINT32_MAX, &n); q->spp = (uint32_t)n; break;
-    case ARG_TIME:        ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
-    case ARG_ERROR:       ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
-    case ARG_THREADS:     ok = arg_int(name, value, 1, WORKERS_MAX, &n); q->threads = (int)n; break;
-    case ARG_SEED:        ok = arg_int(name, value, 0, INT64_MAX, &n); q->seed = (uint64_t)n;
-                          q->seed_given = true; break;
-    case ARG_EXPOSURE:    ok = arg_number(name, value, -100, 100, &x);
-                          l->display.exposure = (float)x; break;
-    case ARG_MAX_PIXELS:  ok = arg_int(name, value, 1, (int64_t)1 << 40, &n);
-                          l->limits.max_pixels = (uint64_t)n; break;
-    case ARG_MAX_MEMORY:  ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
-                          mem_limit((uint64_t)n > SIZE_MAX >> 20 ? SIZE_MAX : (size_t)n << 20);
-                          break;
-    case ARG_MAX_INCLUDE: ok = arg_int(name, value, 1, 10000, &n);
-                          l->limits.max_include = (int)n; break;
-    case ARG_MAX_FILE:    ok = arg_int(name, value, 1, (int64_t)1 << 30, &n);
-                          l->limits.max_file = (uint64_t)n << 20; break;
+    case ARG_SPP:      ok = arg_int(name, value, 1, UINT32_MAX, &n); q->spp = (uint32_t)n; break;
+    case ARG_TIME:     ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
+    case ARG_ERROR:    ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
+    case ARG_EXPOSURE: ok = arg_number(name, value, -100, 100, &x);
+                       l->display.exposure = (float)x; break;
     default: break;
     }
     return ok;
@@ -109,21 +76,16 @@ static bool set(void *ctx, int k, const char *value)
             return err_usage("render takes one scene, got '%s' and '%s'", l->scene, value);
         l->scene = value;
         return true;
-    case ARG_OUTPUT:     return set_output(l, value);
+    case ARG_OUTPUT:     return output_add(l->outputs, &l->noutputs, value);
     case ARG_INTEGRATOR: q->integrator = value; return true;
-    case ARG_ACCEL:      q->accel = value; return true;
-    case ARG_SAMPLER:    q->sampler = value; return true;
-    case ARG_FILTER:     q->filter = value; return true;
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
-    case ARG_SIZE:       return arg_size("--size", value, &q->w, &q->h);
-    case ARG_CROP:       q->crop_given = true; return arg_window("--crop", value, q->crop);
     case ARG_AOV:        return set_aov(l, value);
     case ARG_TONEMAP:
         l->display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
         return l->display.tonemap != NULL;
-    case ARG_QUIET:      messages_quiet(true); return true;
-    case ARG_STRICT:     warnings_fatal(true); return true;
-    default:             return set_number(l, k, value);
+    default:
+        return k < ARG_SCENE ? set_number(l, k, value)
+                             : scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "render/render.h"
 
 #include "base/number.h"
+#include "base/text.h"
 
 #include <string.h>
 
@@ -30,6 +31,7 @@ static bool parse_which(Aov *a, const char *arg, size_t n)
 bool aov_parse(Aov *a, const char *text)
 {
     size_t name = strcspn(text, ":="), all = strcspn(text, "=");
+    char word[40], hint[HINT_MAX];
 
     if (!text[all] || !text[all + 1])
         return err_usage("--aov takes NAME=FILE, with NAME one of normal depth albedo length:N "
@@ -46,17 +48,9 @@ bool aov_parse(Aov *a, const char *text)
                 return parse_which(a, text + name + (name < all), all - name - (name < all));
             return name == all || err_usage("--aov %s takes nothing after ':'", names[k]);
         }
-    {
-        char word[40];
-        const char *near;
-        size_t n = name < sizeof word - 1 ? name : sizeof word - 1;
-        memcpy(word, text, n);
-        word[n] = 0;
-        near = nearest_name(word, names, NAMES);
-        return err_usage("unknown --aov '%s'%s%s%s (have: normal depth albedo length:N "
-                         "strategy:NAME samples)", word, near ? ", did you mean '" : "",
-                         near ? near : "", near ? "'?" : "");
-    }
+    word_copy(word, sizeof word, (Word){ text, name });
+    return err_usage("unknown --aov '%s'%s (have: normal depth albedo length:N strategy:NAME "
+                     "samples)", word, hint_nearest(hint, word, names, NAMES));
 }
 
 bool aov_needs_tally(const Aov *a, int n)

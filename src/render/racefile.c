@@ -267,7 +267,8 @@ static bool all_known(const char *what, const OptDef *defs, Params *ps)
 {
     for (size_t i = 0; i < ps->n; i++) {
         Params one = { &ps->p[i], 1 };
-        const char *names[OPT_MAX] = { NULL }, *near;
+        const char *names[OPT_MAX] = { NULL };
+        char hint[HINT_MAX];
         size_t n = 0;
         bool known = false;
         for (; defs && defs[n].key; n++) {
@@ -276,10 +277,9 @@ static bool all_known(const char *what, const OptDef *defs, Params *ps)
         }
         if (ps->p[i].kind == PARAM_TEXTURE)
             return err_at(ps->p[i].at, "%s takes no textures", what);
-        near = nearest_name(ps->p[i].name, names, n);
         if (!known)
-            return err_at(ps->p[i].at, "%s has no parameter '%.60s'%s%s%s", what, ps->p[i].name,
-                          near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+            return err_at(ps->p[i].at, "%s has no parameter '%.60s'%s", what, ps->p[i].name,
+                          hint_nearest(hint, ps->p[i].name, names, n));
     }
     return true;
 }
@@ -415,15 +415,14 @@ enum { NDIRECTIVES = sizeof directives / sizeof *directives };
 
 static bool unknown(const Token *t)
 {
-    const char *names[NDIRECTIVES], *near;
-    char word[60];
+    const char *names[NDIRECTIVES];
+    char word[60], hint[HINT_MAX];
 
     for (size_t i = 0; i < NDIRECTIVES; i++)
         names[i] = directives[i].name;
     word_copy(word, sizeof word, (Word){ t->s, t->n });
-    near = nearest_name(word, names, NDIRECTIVES);
-    return err_at(t->at, "unknown directive '%s'%s%s%s", word, near ? ", did you mean '" : "",
-                  near ? near : "", near ? "'?" : "");
+    return err_at(t->at, "unknown directive '%s'%s", word,
+                  hint_nearest(hint, word, names, NDIRECTIVES));
 }
 
 static bool run_directive(RaceReader *r, const Token *t)
