@@ -3,7 +3,8 @@
 
 enum { BORDERS_MOST = 65536 };          /* of media, between two events; a path beyond is lost */
 
-Event ray_flies(Tracer *t, Ray *r, uint32_t *medium, float u, Rgb *throughput, Surface *s, V3 *p)
+Event ray_flies_through_media(Tracer *t, Ray *r, uint32_t *medium, float u, Rgb *throughput,
+                              Surface *s, V3 *p)
 {
     const Scene *scene = t->scene;
     Flight f;
@@ -32,10 +33,9 @@ Event ray_flies(Tracer *t, Ray *r, uint32_t *medium, float u, Rgb *throughput, S
     return ESCAPES;
 }
 
-bool ray_sees(Tracer *t, const Ray *r, uint32_t medium, Surface *s, Rgb *left)
+bool ray_meets(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Surface *s)
 {
     const Scene *scene = t->scene;
-    Ray part = *r;
     Hit h;
 
     if (LIKELY(!scene->nmedia)) {
@@ -45,14 +45,16 @@ bool ray_sees(Tracer *t, const Ray *r, uint32_t medium, Surface *s, Rgb *left)
         return true;
     }
     for (int n = 0; n < BORDERS_MOST; n++) {
-        Met met = scene_meets(scene, &part, true, &h, s);
+        Met met = scene_meets(scene, r, true, &h, s);
         t->rays++;
-        if (medium != NO_MEDIUM)
-            *left = rgb_mul(*left, medium_transmittance(&scene->media[medium], h.t));
+        if (*medium != NO_MEDIUM)
+            *left = rgb_mul(*left, medium_transmittance(&scene->media[*medium], h.t));
+        if (rgb_black(*left))
+            return false;
         if (met != MET_BORDER)
             return met == MET_SURFACE;
-        medium = medium_beyond(s, part.d, medium);
-        part.o = ray_origin(s->p, s->err, s->ng, part.d);
+        *medium = medium_beyond(s, r->d, *medium);
+        r->o = ray_origin(s->p, s->err, s->ng, r->d);
     }
     *left = rgb_all(0.0f);
     return false;

@@ -206,11 +206,13 @@ bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float 
                      Tracer *t, Candidate *c)
 {
     Rgb left = rgb_all(1.0f), L;
+    uint32_t medium = turn_medium(u, wi);
+    Ray r;
     Surface s;
     bool met;
 
-    c->ray = turn_ray(u, wi);
-    met = ray_sees(t, &c->ray, turn_medium(u, wi), &s, &left);
+    c->ray = r = turn_ray(u, wi);
+    met = ray_meets(t, &r, &medium, &left, &s);
     L = coming(it, u, wi, met ? &s : NULL, own, n_light);
     if (rgb_black(L))
         return false;

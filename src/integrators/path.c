@@ -94,17 +94,8 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
  * all paths see textures sharp: what they find there must not depend on how they came. */
 static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
 {
-    Event event = ARRIVES;
-    Hit h;
+    Event event = ray_flies(t, &e->ray, &e->medium, e->depth, &e->throughput, s, p);
 
-    if (UNLIKELY(t->scene->nmedia))
-        event = ray_flies(t, &e->ray, &e->medium,
-                          sample_1d(&t->sampler, DECISION(DECIDE_DISTANCE, e->depth)),
-                          &e->throughput, s, p);
-    else if (tracer_nearest(t, &e->ray, &h))
-        accel_surface(t->scene->accel, &e->ray, &h, s);
-    else
-        event = ESCAPES;
     if (event == ARRIVES && e->way >= 0.0f) {
         e->way += v_len(v_sub(s->p, e->p));
         s->width = e->way * t->spread;
