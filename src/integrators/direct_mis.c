@@ -5,29 +5,17 @@
  * which the other one has no samples: then all weights are 1. */
 #include "integrators/direct.h"
 
-static Rgb by_scattering(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
+/* n candidates of one kind, by numbers of these decisions. */
+static Rgb drawn(const Direct *it, const Turn *u, CandidateBy *by, DecisionKind choice,
+                 DecisionKind point, int n, float nl, float ns, Tracer *t)
 {
-    Draw draw, first = draw_first(t, u, DECIDE_LOBE, DECIDE_DIRECTION);
+    Draw draw, first = draw_first(t, u, choice, point);
     Rgb sum = rgb_all(0.0f);
     Candidate c;
 
-    for (int i = 0; i < it->bsdfsamples; i++) {
+    for (int i = 0; i < n; i++) {
         draw = draw_number(&first, (uint32_t)i);
-        if (candidate_by_scattering(&it->lighting, u, &draw, nl, ns, t, &c))
-            sum = rgb_add(sum, candidate_light(&c, u, t));
-    }
-    return sum;
-}
-
-static Rgb by_chosen_light(const Direct *it, const Turn *u, float nl, float ns, Tracer *t)
-{
-    Draw draw, first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
-    Rgb sum = rgb_all(0.0f);
-    Candidate c;
-
-    for (int i = 0; i < it->lightsamples; i++) {
-        draw = draw_number(&first, (uint32_t)i);
-        if (candidate_by_light(&it->lighting, u, &draw, nl, ns, t, &c))
+        if (by(&it->lighting, u, &draw, nl, ns, t, &c))
             sum = rgb_add(sum, candidate_light(&c, u, t));
     }
     return sum;
@@ -58,10 +46,15 @@ static Rgb light_by(const Direct *it, const Turn *u, float nl, float ns, Tracer 
 {
     Rgb sum = rgb_all(0.0f);
 
-    if (nl > 0.0f)
-        sum = it->which == LIGHTS_ALL ? by_all_lights(it, u, nl, ns, t)
-                                      : by_chosen_light(it, u, nl, ns, t);
-    return ns > 0.0f ? rgb_add(sum, by_scattering(it, u, nl, ns, t)) : sum;
+    if (nl > 0.0f && it->which == LIGHTS_ALL)
+        sum = by_all_lights(it, u, nl, ns, t);
+    else if (nl > 0.0f)
+        sum = drawn(it, u, candidate_by_light, DECIDE_LIGHT, DECIDE_LIGHT_POINT, it->lightsamples,
+                    nl, ns, t);
+    if (ns > 0.0f)
+        sum = rgb_add(sum, drawn(it, u, candidate_by_scattering, DECIDE_LOBE, DECIDE_DIRECTION,
+                                 it->bsdfsamples, nl, ns, t));
+    return sum;
 }
 
 static Rgb mis(const Direct *it, const Turn *u, Tracer *t)

@@ -84,13 +84,12 @@ typedef struct {
 } Candidate;
 
 /* n_light, n_scatter: samples that are drawn either way. False: it adds nothing. */
-bool candidate_by_light(const Lighting *it, const Turn *u, const Draw *draw, float n_light,
-                        float n_scatter, Tracer *t, Candidate *c);
+typedef bool CandidateBy(const Lighting *it, const Turn *u, const Draw *draw, float n_light,
+                         float n_scatter, Tracer *t, Candidate *c);
+CandidateBy candidate_by_light, candidate_by_scattering;
 /* The same of a light that was chosen with probability pmf. */
 bool candidate_of_light(const Lighting *it, const Turn *u, const Light *l, float pmf, V2 point,
                         float n_light, float n_scatter, Tracer *t, Candidate *c);
-bool candidate_by_scattering(const Lighting *it, const Turn *u, const Draw *draw, float n_light,
-                             float n_scatter, Tracer *t, Candidate *c);
 /* What comes along wi, a direction of density n p = own, by a cast ray; alone, or weighed against
  * n_light samples of lights. */
 bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own, float n_light,
