@@ -5,6 +5,16 @@
 #include "integrators/event.h"
 #include "sampling/warp.h"
 
+/* No shape shines: what comes along a direction is known but for what stands in the way. */
+static bool only_beyond(const Scene *s)
+{
+    size_t others = s->nlights;
+
+    for (size_t i = 0; i < s->nlights; i++)
+        others -= s->lights[i]->kind->delta != DELTA_NONE;
+    return others == s->ninfinite;
+}
+
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
                    bool directions)
 {
@@ -19,7 +29,7 @@ bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
     if (!it->lights)
         return false;
     it->lights->kind = k;
-    it->tentative = tentative;
+    it->tentative = tentative || only_beyond(s);
     it->directions = directions;
     it->shining.none = true;
     if ((tentative || directions) && !shining_init(&it->shining, s)) {

@@ -97,11 +97,12 @@ void shining_clear(Shining *l)
 
 bool shining_next(const Shining *l, Ray *r, Surface *s)
 {
-    const Accel *a = l->accel ? l->accel : l->scene->accel;
+    const Accel *a;
     Hit h;
 
     if (l->none)
         return false;
+    a = l->accel ? l->accel : l->scene->accel;
     while (accel_nearest(a, r, &h)) {
         accel_surface(a, r, &h, s);
         r->o = ray_origin(s->p, s->err, s->ng, r->d);
