@@ -24,8 +24,8 @@ void bench_samplers(void);      /* which sampler wins, scene by scene */
 /* Renders a scene file as the request says, its seed too. im may be NULL. False: it said why. */
 bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report);
 
-/* The same for a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as it
- * says; integrator and sampler NULL: those that it names. */
+/* The same for a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as
+ * it says; integrator and sampler NULL: those that it names. */
 bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
                   uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report);
 

@@ -236,7 +236,7 @@ static void ways_agree(void)
 {
     Ray ray = { .o = { 0.2f, -2.5f, 0.7f }, .d = { 0, 0, 0 }, .tmax = INFINITY };
     uint32_t fog, milk;
-    Meter a, b;
+    Meter a, b, c;
     Lab l;
 
     ray.d = v_unit(v3(-0.05f, 1, -0.2f));
@@ -252,8 +252,11 @@ static void ways_agree(void)
     lab_build(&l);
     measure(&l, "maxdepth=6,strategy=mis", ray, 70000, &a);
     measure(&l, "maxdepth=6,strategy=implicit", ray, 200000, &b);
-    for (int k = 0; k < 3; k++)
+    measure(&l, "maxdepth=6,strategy=mis,glints=4", ray, 70000, &c);
+    for (int k = 0; k < 3; k++) {
         stat_expect_same(&meter_radiance(&a)[k], &meter_radiance(&b)[k], 0.2, "mis and implicit");
+        stat_expect_same(&meter_radiance(&c)[k], &meter_radiance(&b)[k], 0.2, "with glints");
+    }
     lab_clear(&l);
 }
 

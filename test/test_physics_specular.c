@@ -38,6 +38,8 @@ static void mirror_image(void)
         { "strategy=explicit,maxdepth=2,roulette=9", 0.04, 0.05 },
         { "strategy=mis,maxdepth=2,roulette=9", 0.015, 0.05 },
         { "strategy=mis,heuristic=balance,maxdepth=2,roulette=9", 0.015, 0.05 },
+        { "strategy=mis,maxdepth=2,roulette=9,glints=2", 0.015, 0.04 },
+        { "strategy=implicit,maxdepth=2,roulette=9,glints=5", 0.02, 0.025 },
     };
     V3 at = { 0.1f, 0.2f, 0 };
     Ray r = ray_towards(v3(-0.9f, -0.7f, 0.3f), at);
@@ -311,9 +313,69 @@ static void phong_from_above(void)
     lab_clear(&l);
 }
 
+/* ---- glints ---- */
+
+static void add_instance(Lab *l, uint32_t material, V3 centre, float radius)
+{
+    ShapeTraits traits = { material, NO_LIGHT, false };
+    Transform here = xf_translate(centre.x, centre.y, centre.z), stay = xf_identity();
+    Sphere ball;
+    uint32_t in, shape;
+
+    REQUIRE(sphere_init(&ball, &stay, radius, -radius, radius, 360), "sphere");
+    REQUIRE(scene_add_geometry(l->scene, &in) &&
+            geometry_add_sphere(&l->scene->geometries[in], &ball, traits, &shape) &&
+            geometry_add_instance(&l->scene->geometries[0], in, &here, &shape), "memory");
+}
+
+/* Caustics of glass and of a mirror on a floor that has a coat, so that it glints itself: what
+ * candidates find beside a path is what the path finds alone. Explicitly it brings no other light
+ * by chance, so that here they are compared by themselves. */
+static void glints(void)
+{
+    static const char *const ways[] = { "maxdepth=5,roulette=3,strategy=explicit,glints=7",
+                                        "maxdepth=5,roulette=3,strategy=explicit,glints=3" };
+    Ray r = ray_towards(v3(-1.5f, -0.6f, 0.8f), v3(0.1f, -0.1f, 0));
+    Gauge g = { ray_fixed, NULL, 60000, 45, 0 };
+
+    for (int instanced = 0; instanced < 2; instanced++) {
+        Meter alone, m;
+        uint32_t glass;
+        Lab l;
+        lab_init(&l);
+        glass = lab_material(&l, "dielectric", "eta=1.5");
+        lab_quad(&l, v3(-2, -2, 0), v3(4, 0, 0), v3(0, 4, 0),
+                 lab_material(&l, "coateddiffuse", "reflectance=0.7/0.5/0.3,roughness=0"));
+        lab_quad(&l, v3(1, -1, 0), v3(0, 0, 2), v3(0, 2, 0),
+                 lab_material(&l, "mirror", "reflectance=0.9/0.6/0.8"));
+        if (instanced)
+            add_instance(&l, glass, v3(-0.3f, 0.3f, 0.5f), 0.4f);
+        else
+            lab_sphere(&l, v3(-0.3f, 0.3f, 0.5f), 0.4f, glass, false);
+        lab_shine(&l, lab_sphere(&l, v3(-0.3f, 0.45f, 1.4f), 0.5f, 0, false), "L=4/3/2");
+        lab_build(&l);
+        g.of = &r;
+        g.n = 160000;
+        lab_open(&l, "maxdepth=5,roulette=3,strategy=explicit");
+        lab_measure(&l, &g, &alone);
+        g.n = 60000;
+        for (int i = 0; i < 2; i++) {
+            lab_open(&l, ways[i]);
+            lab_measure(&l, &g, &m);
+            for (int c = 0; c < 3; c++) {
+                stat_expect_same(&meter_radiance(&alone)[c], &meter_radiance(&m)[c], 0.1, ways[i]);
+                stat_expect_same(&meter_strategy(&alone, STRATEGY_IMPLICIT)[c],
+                                 &meter_strategy(&m, STRATEGY_IMPLICIT)[c], 0.2, ways[i]);
+            }
+        }
+        lab_clear(&l);
+    }
+}
+
 const TestCase test_physics_specular[] = {
     { "mirror_image", mirror_image, false },
     { "mirror_seen", mirror_seen, false },
+    { "glints", glints, false },
     { "phong_from_above", phong_from_above, false },
     { "glass", glass, false },
     { "glass_implicit", glass_implicit, false },

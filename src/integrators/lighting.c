@@ -32,7 +32,7 @@ bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
     it->tentative = tentative || only_beyond(s);
     it->directions = directions;
     it->shining.none = true;
-    if ((tentative || directions) && !shining_init(&it->shining, s)) {
+    if ((tentative || directions) && !subset_init(&it->shining, s, shape_shines)) {
         k->close(it->lights);
         it->lights = NULL;
         return false;
@@ -46,7 +46,7 @@ void lighting_clear(Lighting *it)
         return;
     it->lights->kind->close(it->lights);
     it->lights = NULL;
-    shining_clear(&it->shining);
+    subset_clear(&it->shining);
 }
 
 bool lighting_warn_of_deltas(const Scene *s, const char *strategy)
@@ -170,7 +170,7 @@ static float all_pdf_w(const Lighting *it, const Turn *u, V3 wi)
     float sum = 0.0f;
     Surface s;
 
-    while (shining_next(&it->shining, &r, &s))
+    while (subset_next(&it->shining, &r, &s))
         sum += light_pdf_w(it, u, scene_light_of(it->scene, &s), wi, &s);
     for (size_t i = 0; i < it->scene->ninfinite; i++)
         sum += light_pdf_w(it, u, it->scene->infinite[i], wi, NULL);
@@ -242,7 +242,7 @@ static bool first_lamp(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, floa
     Ray r = turn_ray(u, wi);
     LightSample ls;
     Surface s;
-    bool met = shining_next(&it->shining, &r, &s);
+    bool met = subset_next(&it->shining, &r, &s);
     Rgb L = coming(it, u, wi, met ? &s : NULL, own, n_light);
 
     if (rgb_black(L))

@@ -14,12 +14,12 @@
 
 #include "integrators/vertex.h"
 #include "lightsampling/lightsampler.h"
-#include "scene/shining.h"
+#include "scene/subset.h"
 
 typedef struct {
     const Scene  *scene;        /* borrowed */
     LightSampler *lights;       /* owned */
-    Shining       shining;      /* owned */
+    Subset        shining;      /* owned: the shapes that do */
     bool power;                 /* power heuristic; else balance */
     bool all;                   /* every light is asked: none is chosen */
     bool directions;            /* samples are directions, not points of lights */

@@ -16,6 +16,7 @@
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
 #include "integrators/event.h"
+#include "integrators/glints.h"
 #include "integrators/lighting.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
@@ -28,6 +29,7 @@ typedef struct {
     bool  power;                /* power heuristic; else balance */
     int   maxdepth;             /* most vertices between eye and light */
     int   roulette;             /* first bounce that may end the path */
+    Glints glints;              /* owned */
     bool  resamples;            /* explicit paths are resampled: */
     Resampling resampling;
 } Path;
@@ -41,6 +43,7 @@ typedef struct {
     float eta2;                 /* product of squared index ratios: the scale of radiance */
     int  depth;                 /* scattering events so far */
     uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
+    float    glint;             /* of the light by delta events after a smooth one: this share */
     float    way;               /* from the eye, by delta events only; below 0: there were others */
 } Eye;
 
@@ -56,8 +59,10 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
 {
     float pdf;
 
-    if (it->ways == IMPLICIT || e->pdf_w == 0.0f)
-        return 1.0f;            /* no other way could have made it */
+    if (e->pdf_w == 0.0f)
+        return e->glint;        /* no other way could have made it */
+    if (it->ways == IMPLICIT)
+        return 1.0f;
     if (it->ways == EXPLICIT)
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
@@ -233,6 +238,14 @@ static bool survives(const Path *it, Eye *e, Tracer *t)
     return true;
 }
 
+/* What deltas bring by directions that the path does not take. */
+static Rgb glints(const Path *it, const Eye *e, const Vertex *v, Tracer *t)
+{
+    Beam b = { e->ray, e->throughput, e->eta2, -1.0f, e->depth, e->medium };
+
+    return glints_light(&it->glints, v, &b, t);
+}
+
 /* Takes the path one scattering event further. False: it ends here. */
 static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 {
@@ -240,6 +253,8 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 
     if (!vertex_sample(v, t, e->depth, &bs))
         return false;
+    if (bs.pdf_w > 0.0f)
+        e->glint = glints_share(&it->glints);
     e->throughput = rgb_mul(e->throughput, bs.weight);
     e->eta2 *= bs.eta * bs.eta;
     if (!survives(it, e, t))
@@ -263,6 +278,7 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
     e->pdf_w = phase_pdf_w(g, e->ray.d, wi);
     e->ray.o = e->p = p;
     e->n = v_all(0.0f);
+    e->glint = 1.0f;
     e->way = -1.0f;
     e->ray.d = wi;
     e->ray.tmax = INFINITY;
@@ -282,7 +298,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
     const Scene *scene = base->scene;
-    Eye e = { *r, { 1, 1, 1 }, r->o, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around, 0.0f };
+    Eye e = { *r, { 1, 1, 1 }, r->o, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around, 1.0f, 0.0f };
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
@@ -302,6 +318,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             vertex_make(&v, scene, e.ray.d);
             connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
                        connect_any(it, &e, &v, t, &to);
+            if (it->glints.n > 1 && vertex_is_smooth(&v))
+                sum = rgb_add(sum, glints(it, &e, &v, t));
             goes_on = scatter(it, &e, &v, t);
         } else {
             connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
@@ -316,8 +334,11 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
 static void close_path(Integrator *base)
 {
-    lighting_clear(&((Path *)base)->lighting);
-    mem_free(base);
+    Path *it = (Path *)base;
+
+    glints_clear(&it->glints);
+    lighting_clear(&it->lighting);
+    mem_free(it);
 }
 
 static Integrator *open_path(const Scene *s, const Opts *o)
@@ -334,16 +355,14 @@ static Integrator *open_path(const Scene *s, const Opts *o)
     it->maxdepth = (int)opt_int(o, "maxdepth");
     it->roulette = (int)opt_int(o, "roulette");
     it->resampling = resampling_of((int)opt_int(o, "tentative"), 1, opt_float(o, "lightshare"));
-    if (!lighting_init(&it->lighting, s, o, it->resamples, false)) {
-        mem_free(it);
-        return NULL;
+    if (lighting_init(&it->lighting, s, o, it->resamples, false)) {
+        it->lights = it->lighting.lights;
+        if (glints_init(&it->glints, s, (int)opt_int(o, "glints"), it->maxdepth) &&
+            (it->ways != IMPLICIT || lighting_warn_of_deltas(s, "implicit")))
+            return &it->base;
     }
-    it->lights = it->lighting.lights;
-    if (it->ways == IMPLICIT && !lighting_warn_of_deltas(s, "implicit")) {
-        close_path(&it->base);
-        return NULL;
-    }
-    return &it->base;
+    close_path(&it->base);
+    return NULL;
 }
 
 static const OptDef options[] = {
@@ -356,6 +375,9 @@ static const OptDef options[] = {
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
     LIGHTING_LIGHTSAMPLER,
+    { .key = "glints", .type = OPT_INT, .num = 1, .lo = 1, .hi = GLINTS_MOST,
+      .help = "directions tried at a vertex for the light that comes by delta events alone; about "
+              "4 where small lamps make caustics" },
     { .key = "tentative", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
       .help = "strategy=ris: candidates without shadow rays, of which one is kept" },
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,

@@ -80,6 +80,18 @@ void material_settle(Material *all, uint32_t index)
     m->looks_at_uv = m->looks_at_uv || m->tangent;
 }
 
+bool material_glints(const Material *m)
+{
+    Bsdf b;
+
+    if (m->mixed[0])
+        return material_glints(m->mixed[0]) || material_glints(m->mixed[1]);
+    if (m->textured || !(m->kind->flags & BSDF_SPECULAR))
+        return (m->kind->flags & BSDF_SPECULAR) != 0;
+    bsdf_make(&b, m->kind, m->value, m->data);
+    return (b.flags & BSDF_SPECULAR) != 0;
+}
+
 /* ---- the model at a point ---- */
 
 /* Makes the model in *b; parts of mixtures take what follows *free. */

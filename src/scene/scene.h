@@ -41,6 +41,8 @@ void material_clear(Material *m);
 int  material_size(const Material *all, uint32_t index);
 /* Fills in what scene_build sets. Those before it have been settled. */
 void material_settle(Material *all, uint32_t index);
+/* Whether it may scatter light by delta events. After scene_build. */
+bool material_glints(const Material *m);
 /* The model at a point, in *room, which is returned. */
 const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room);
 /* The local frame in which the model's directions are given: about the shading normal, which a bump

@@ -1,5 +1,5 @@
-/* shining.c -- the shapes that shine. See shining.h. */
-#include "scene/shining.h"
+/* subset.c -- some of the shapes of a world. See subset.h. */
+#include "scene/subset.h"
 
 #include "base/mem.h"
 
@@ -61,7 +61,32 @@ static bool add_copy(Geometry *to, const Geometry *from, const Shape *s)
     return ok;
 }
 
-bool shining_init(Shining *l, const Scene *s)
+bool shape_shines(const Scene *s, const Shape *shape)
+{
+    (void)s;
+    return shape->light != NO_LIGHT;
+}
+
+bool shape_glints(const Scene *s, const Shape *shape)
+{
+    return material_glints(&s->materials[shape->material]);
+}
+
+/* Of an instance: any of its shapes. */
+static bool holds(const Subset *l, const Shape *shape)
+{
+    const Geometry *in;
+
+    if (shape->kind != SHAPE_INSTANCE)
+        return l->has(l->scene, shape);
+    in = shape->as.instance->accel->geo;
+    for (size_t i = 0; i < in->nshapes; i++)
+        if (holds(l, &in->shapes[i]))
+            return true;
+    return false;
+}
+
+bool subset_init(Subset *l, const Scene *s, SubsetHas *has)
 {
     const AccelKind *kind = kind_find(accels, ACCEL_DEFAULT);
     const Geometry *world = &s->geometries[0];
@@ -70,32 +95,35 @@ bool shining_init(Shining *l, const Scene *s)
 
     memset(l, 0, sizeof *l);
     l->scene = s;
+    l->has = has;
     l->none = true;
-    for (size_t i = 0; i < world->nshapes; i++) {
-        l->none &= world->shapes[i].light == NO_LIGHT;
-        copied &= world->shapes[i].light == NO_LIGHT || world->shapes[i].kind != SHAPE_TESSELLATION;
-    }
+    for (size_t i = 0; i < world->nshapes; i++)
+        if (holds(l, &world->shapes[i])) {
+            l->none = false;
+            copied = copied && world->shapes[i].kind != SHAPE_TESSELLATION &&
+                     world->shapes[i].kind != SHAPE_INSTANCE;
+        }
     if (l->none || !copied)
         return true;
     for (size_t i = 0; i < world->nshapes && ok; i++)
-        if (world->shapes[i].light != NO_LIGHT)
+        if (holds(l, &world->shapes[i]))
             ok = add_copy(&l->geometry, world, &world->shapes[i]);
     opts_default(&o, kind->info.options);
     ok = ok && geometry_finish(&l->geometry);
     l->accel = ok ? accel_build_as_is(kind, &l->geometry, &o, 1) : NULL;
     if (!l->accel)
-        shining_clear(l);
+        subset_clear(l);
     return l->accel != NULL;
 }
 
-void shining_clear(Shining *l)
+void subset_clear(Subset *l)
 {
     accel_free(l->accel);
     geometry_clear(&l->geometry);
     memset(l, 0, sizeof *l);
 }
 
-bool shining_next(const Shining *l, Ray *r, Surface *s)
+bool subset_next(const Subset *l, Ray *r, Surface *s)
 {
     const Accel *a;
     Hit h;
@@ -106,8 +134,13 @@ bool shining_next(const Shining *l, Ray *r, Surface *s)
     while (accel_nearest(a, r, &h)) {
         accel_surface(a, r, &h, s);
         r->o = ray_origin(s->p, s->err, s->ng, r->d);
-        if (s->shape->light != NO_LIGHT)
+        if (l->has(l->scene, s->shape))
             return true;
     }
     return false;
+}
+
+bool subset_near(const Subset *l, const Ray *r)
+{
+    return !l->none && (!l->accel || accel_blocked(l->accel, r));
 }
