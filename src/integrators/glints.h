@@ -2,11 +2,11 @@
  * glass): of all there is the hardest to find for a method that only follows rays from the eye.
  *
  * Source      Splitting, [Arvo90].
- * Idea        A path that leaves a vertex by a smooth event tries many directions instead of one for
- *             the light that comes through delta events alone, and goes on by the first of them. So
- *             of that light each of n candidates brings 1/n: the first one as the path itself,
- *             the others here. A candidate is cheap where it cannot meet anything that glints, which
- *             is known before it is followed.
+ * Idea        A path that leaves a vertex by a smooth event tries many directions instead of one
+ *             for the light that comes through delta events alone, and goes on by the first of
+ *             them. So of that light each of n candidates brings 1/n: the first one as the path
+ *             itself, the others here. A candidate is cheap where it cannot meet anything that
+ *             glints, which is known before it is followed.
  * Worth it    where small bright lights meet mirrors and glass: with n = 4 the same error in half to
  *             a third of the time. Where the light by deltas is no noisier than the rest (a sky in
  *             a mirror) the candidates only cost.
