@@ -1,5 +1,5 @@
 /* glints.h -- light that a vertex gets by way of delta events (a lamp in a mirror, a caustic of
- * glass): of all there is the hardest to find for a method that only follows rays from the eye.
+ * glass): of all that there is the hardest to find for a method that follows rays from the eye.
  *
  * Source      Splitting, [Arvo90].
  * Idea        A path that leaves a vertex by a smooth event tries many directions instead of one
@@ -7,9 +7,9 @@
  *             them. So of that light each of n candidates brings 1/n: the first one as the path
  *             itself, the others here. A candidate is cheap where it cannot meet anything that
  *             glints, which is known before it is followed.
- * Worth it    where small bright lights meet mirrors and glass: with n = 4 the same error in half to
- *             a third of the time. Where the light by deltas is no noisier than the rest (a sky in
- *             a mirror) the candidates only cost.
+ * Worth it    where small bright lights meet mirrors and glass: with n = 4 the same error in a half
+ *             to a third of the time. Where the light by deltas is no noisier than the rest (a sky
+ *             in a mirror) the candidates only cost.
  * Invariants  E[share of the path + glints()] is the light by delta events that the path alone
  *             would bring; all else of the path stays as it is. */
 #ifndef INTEGRATORS_GLINTS_H
