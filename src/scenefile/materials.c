@@ -50,10 +50,6 @@ static const Alias aliases[] = {
     { "hair", "diffuse", STAND_IN, { { "color", "reflectance" } }, { { "reflectance", 0.3 } } },
     { "measured", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
     { "fourier", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
-    { "coatedconductor", "conductor", STAND_IN,
-      { { "conductor.eta", "eta" }, { "conductor.k", "k" }, { "conductor.roughness", "roughness" },
-        { "conductor.uroughness", "uroughness" }, { "conductor.vroughness", "vroughness" } },
-      { { NULL, 0 } } },
 };
 enum { NALIASES = sizeof aliases / sizeof *aliases };
 

@@ -136,9 +136,26 @@ static bool set_scale(Reader *r, const Params *ps, Material *m)
     return true;
 }
 
+/* The coats of version 4: thickness says nothing of a clear one, and the rest how to compute. */
+static bool is_coated(const char *type)
+{
+    return !strcmp(type, "coateddiffuse") || !strcmp(type, "coatedconductor");
+}
+
+static bool set_coat(const Params *ps)
+{
+    const Param *p = params_find(ps, "albedo", NULL);
+    bool clear = !p || (p->kind == PARAM_FLOAT && p->n > 0);
+
+    for (size_t i = 0; p && clear && i < p->n; i++)
+        clear = p->numbers[i] == 0;
+    return clear || warn_at(p->at, "coats are clear; what is in this one (albedo) is left out");
+}
+
 bool material_extras(Reader *r, const char *type, const Params *ps, Material *m)
 {
-    return set_bump(r, ps, m) && (strcmp(type, "uber") || set_opacity(r, ps, m)) &&
+    return set_bump(r, ps, m) && (!is_coated(type) || set_coat(ps)) &&
+           (strcmp(type, "uber") || set_opacity(r, ps, m)) &&
            (strcmp(type, "translucent") || set_translucent(r, ps, m)) &&
            (strcmp(type, "diffusetransmission") || set_scale(r, ps, m));
 }
@@ -151,7 +168,11 @@ void material_extras_known(const Params *ps, const char *type)
         { "translucent", "reflect" }, { "translucent", "transmit" },
         { "diffusetransmission", "scale" }
     };
+    static const char *const coat[] = { "albedo", "g", "thickness", "maxdepth", "nsamples" };
+
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         if (!*rows[i][0] || !strcmp(rows[i][0], type))
             params_find(ps, rows[i][1], NULL);
+    for (size_t i = 0; is_coated(type) && i < sizeof coat / sizeof *coat; i++)
+        params_find(ps, coat[i], NULL);
 }
