@@ -15,8 +15,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(layers) X(image) \
-    X(image_png) X(image_pngread) X(textures) \
+#define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(layers) \
+    X(principled) X(image) \
+    X(image_png) X(image_pngread) X(textures) X(relief) \
     X(statistics) X(image_noise) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \

@@ -213,6 +213,7 @@ bool texture_find(Reader *r, Place at, const char *name, bool colour, const Text
 /* A picture as a texture, repeated and bilinear; grey 0.5 with a warning if pictures of that kind
  * cannot be read. */
 Texture *texture_image(Reader *r, Place at, const char *name);
+Texture *texture_data(Reader *r, Place at, const char *name);   /* numbers as stored: no colours */
 bool texture_readable(const char *name);        /* by its extension */
 
 bool do_material(Reader *r, Place at);          /* materials.c */
@@ -222,8 +223,24 @@ bool do_named_material(Reader *r, Place at);
 bool material_make(Reader *r, Place at, const char *type, const Params *ps, const char *name,
                    uint32_t *index);
 
+/* principled.c: a material by what it looks like, as many programs describe one. */
+typedef struct {
+    const Texture *color, *metallic, *roughness, *spectrans, *clearcoat;        /* none is NULL */
+    float eta, anisotropic, gloss;
+} Principled;
+bool principled_make(Reader *r, Place at, const Principled *p, const char *name, uint32_t *index);
+/* The material `disney` of version 3. */
+bool disney_make(Reader *r, Place at, const Params *ps, const char *name, uint32_t *index);
+
 const Texture *texture_constant(Reader *r, Rgb value);          /* materialuse.c; NULL: memory */
 const Texture *texture_product(Reader *r, const Texture *a, const Texture *b);
+/* A texture as what option `key` of the material's model is. */
+void material_put(Material *m, const char *key, const Texture *t);
+/* A colour, a number or a texture that no table has. *t NULL: not given. False: reported. */
+bool material_value(Reader *r, const Params *ps, const char *name, const Texture **t);
+/* Two materials side by side: `amount` of the first; of one if the amount says so everywhere. */
+bool material_mix(Reader *r, const Texture *amount, uint32_t first, uint32_t second,
+                  uint32_t *index);
 /* Puts the textures that were given for options in their place. */
 bool material_textures(Reader *r, Material *m, const Opts *o);
 /* What the language gives this type of material besides, and that the names of it are known. */
