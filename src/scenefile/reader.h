@@ -277,6 +277,11 @@ bool do_shape(Reader *r, Place at);             /* shapes.c */
 /* Adds a mesh given in the space of the current transform. Takes the mesh over in any case. */
 bool shape_add_mesh(Reader *r, Place at, Mesh *m, uint32_t material, const AreaLight *area);
 
+/* mtlmaterials.c: a material of an MTL file, and the light that it gives (NULL: none). */
+bool mtl_material(Reader *r, const MtlMaterial *m, uint32_t *index);
+bool mtl_light(Reader *r, const MtlMaterial *m, const AreaLight **area);
+/* Names of old files use backslashes. In the SceneFile's arena; NULL: memory. */
+char *mtl_slashed(Reader *r, const char *name);
 /* objfile.c: reads an OBJ file with its MTL files and adds it. */
 bool objfile_add(Reader *r, Place at, const char *path);
 
