@@ -63,14 +63,16 @@ typedef struct {
 } State;
 
 typedef enum { SAVED_ATTRIBUTE, SAVED_TRANSFORM, SAVED_OBJECT, SAVED_IMPORT } SavedKind;
-typedef struct { SavedKind kind; State state; Place at; } Saved;
+typedef struct { SavedKind kind; State state; Place at; uint64_t block; } Saved;
 
 /* Warnings that are given once a scene. */
 typedef enum {
     ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2, ONCE_INSIDE_OUT = 4
 } Once;
 
-typedef struct { const Texture *texture; uint32_t cost; } NamedTexture;
+/* block: the innermost that was open, 0 for none. A name whose block has ended is free: version 3
+ * forgets it there. */
+typedef struct { const Texture *texture; uint32_t cost; uint64_t block; } NamedTexture;
 
 /* A material that was made of another one and a mask. */
 typedef struct { uint32_t of, material; const Texture *mask; } Masked;
@@ -93,6 +95,7 @@ typedef struct {
     State      state;
     Saved     *stack;           /* owned */
     size_t     nstack, cap_stack;
+    uint64_t   nblocks;         /* begun so far */
     bool       world;           /* after WorldBegin */
     bool       camera_seen;
     uint32_t   object;          /* geometry that shapes go to: 0, or that of ObjectBegin */
@@ -192,6 +195,7 @@ bool do_attribute(Reader *r, Place at);
 bool do_reverse_orientation(Reader *r, Place at);
 bool do_color_space(Reader *r, Place at);
 bool stack_push(Reader *r, SavedKind kind, Place at);
+bool stack_holds(const Reader *r, uint64_t block);      /* it is still open; 0 always is */
 bool stack_unwind(Reader *r, size_t depth);     /* warns of each Begin without its End */
 
 bool do_camera(Reader *r, Place at);            /* settings.c */
