@@ -230,8 +230,8 @@ static void convert_all(void)
 /* One pixel, half let through: it says so, once, and writes the colour. */
 static void convert_alpha(void)
 {
-    static const unsigned char tga[18 + 4] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 8,
-                                               30, 20, 10, 128 };
+    static const unsigned char tga[18 + 4] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32,
+                                               8, 30, 20, 10, 128 };
     Cli c;
 
     cli_write("half.tga", tga, sizeof tga);

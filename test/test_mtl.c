@@ -109,7 +109,7 @@ static void principled(void)
     scenefile_clear(&f);
 }
 
-/* Normals by name and by what the picture shows. v runs along -y, and so does the second tangent. */
+/* Normals by name and by what the picture shows. v and the second tangent run along -y. */
 static void relief(void)
 {
     static const char *const names[] = { "by_name", "by_look", "heights", "grey", NULL };

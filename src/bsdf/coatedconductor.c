@@ -160,7 +160,9 @@ static Rgb of_kept(const Coated *c, V3 wo, float E)
 
 static Shares shares(const Coated *c, V3 wo, float E)
 {
-    float base = rgb_lum(of_base(c, wo, E)), kept = rgb_lum(of_kept(c, wo, E)), sum = E + base + kept;
+    float base = rgb_lum(of_base(c, wo, E)), kept = rgb_lum(of_kept(c, wo, E));
+    float sum = E + base + kept;
+
     return (Shares){ { E / sum, base / sum, f_max(0.0f, 1.0f - E / sum - base / sum) } };
 }
 
