@@ -138,8 +138,8 @@ static void sampled(void)
 {
     static const char *const rows[] = {
         "Material \"disney\" \"rgb color\" [1 1 1] \"float metallic\" .3 \"float roughness\" .6",
-        "Material \"disney\" \"rgb color\" [1 1 1] \"float metallic\" .5 \"float clearcoat\" 1 "
-        "\"float clearcoatgloss\" 0 \"float anisotropic\" .8",
+        ("Material \"disney\" \"rgb color\" [1 1 1] \"float metallic\" .5 \"float clearcoat\" 1 "
+         "\"float clearcoatgloss\" 0 \"float anisotropic\" .8"),
         "Material \"disney\" \"rgb color\" [1 1 1] \"float spectrans\" .7 \"float roughness\" .7"
     };
     for (int i = 0; i < 3; i++) {
