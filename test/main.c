@@ -15,8 +15,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(image) X(image_png) \
-    X(image_pngread) X(textures) \
+#define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(layers) \
+    X(principled) X(image) \
+    X(image_png) X(image_pngread) X(textures) X(relief) X(mtl) \
     X(statistics) X(image_noise) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \
@@ -24,7 +25,8 @@
     X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) X(race) \
     X(race_file) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
-    X(physics_exact) X(physics_weights) X(lights) X(panorama) X(emission) X(lightsampling) \
+    X(physics_exact) X(physics_weights) X(lights) X(panorama) X(probes) X(emission) \
+    X(lightsampling) \
     X(direct) X(cameras) X(driver) X(adaptive) X(film) X(filters) X(motion) X(cameras_we) \
     X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \

@@ -84,7 +84,10 @@ static const char *mtl_fault(const MtlFile *f)
 {
     for (size_t k = 0; k < f->n; k++) {
         const MtlMaterial *m = &f->m[k];
-        if (!m->name || !m->map_kd || !m->map_d || !m->map_bump)
+        for (const MtlMap *map = m->maps; map; map = map->next)
+            if (!map->name || map->kind > MTL_METALLIC)
+                return "a map that is none";
+        if (!m->name)
             return "a string that is NULL";
         if (!rgb_finite(m->kd) || !rgb_finite(m->ks) || !rgb_finite(m->ke) || !rgb_finite(m->tf) ||
             !is_finite(m->ns) || !is_finite(m->ni) || !is_finite(m->d))

@@ -227,6 +227,19 @@ static void convert_all(void)
 }
 
 /* Exposure is a factor of what is written; formats for display are exposed before their curve. */
+/* One pixel, half let through: it says so, once, and writes the colour. */
+static void convert_alpha(void)
+{
+    static const unsigned char tga[18 + 4] = { 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32,
+                                               8, 30, 20, 10, 128 };
+    Cli c;
+
+    cli_write("half.tga", tga, sizeof tga);
+    c = cli("convert half.tga half.png");
+    EXPECT(c.status == 0 && strstr(c.err, "half.tga: warning: it has opacities") &&
+           cli_lines(c.err) == 1, "status %d: %s", c.status, c.err);
+}
+
 static void convert_exposed(void)
 {
     Image sky, im;
@@ -272,6 +285,7 @@ const TestCase test_cli_images[] = {
     { "compare_family", compare_family, false },
     { "compare_picture", compare_picture, false },
     { "convert_all", convert_all, false },
+    { "convert_alpha", convert_alpha, false },
     { "convert_exposed", convert_exposed, false },
     { "convert_limit", convert_limit, false },
     { NULL, NULL, false }

@@ -242,8 +242,8 @@ static const TextCase mtl_cases[] = {
       2, 0, "" },
     { "before newmtl", "Kd 1 1 1\nd 1\nnewmtl a\n", 0, true, 1, 0,
       "t.mtl:1:1: warning: statements before the first newmtl left out: 2" },
-    { "unknown", "newmtl a\nPr 0.5\nmap_Ks a.png\nKa 1 1 1\n", 0, true, 1, 0,
-      "t.mtl:2:1: warning: statements that are not supported left out: 2 (first 'Pr')" },
+    { "unknown", "newmtl a\nPs 0.5\nrefl a.png\nKa 1 1 1\n", 0, true, 1, 0,
+      "t.mtl:2:1: warning: statements that are not supported left out: 2 (first 'Ps')" },
     { "spectral", "newmtl a\nKd spectral a.rfl 1\nKs xyz 1 1 1\n", 0, true, 1, 0,
       "t.mtl:2:4: warning: spectral or XYZ colours left out, RGB was expected: 2" },
     { "unknown option", "newmtl a\nmap_Kd -foo 1 a.png\n", 0, true, 1, 0,
@@ -438,15 +438,15 @@ static void mtl_values(void)
            rgb_is(m->ke, 4, 5, 6) && rgb_is(m->tf, 1, 0, 1) && m->has_kd && m->has_ks && m->has_ke,
            "colours");
     EXPECT(m->ns == 32.0f && m->ni == 1.5f && m->d == 0.25f && m->illum == 7, "numbers");
-    EXPECT(!strcmp(m->map_kd, "some dir/a b.png") && !strcmp(m->map_d, "d.png") &&
-           !strcmp(m->map_bump, "b.png"), "maps '%s' '%s' '%s'", m->map_kd, m->map_d, m->map_bump);
+    EXPECT(!strcmp(mtl_map(m, MTL_KD), "some dir/a b.png") && !strcmp(mtl_map(m, MTL_D), "d.png") &&
+           !strcmp(mtl_map(m, MTL_BUMP), "b.png"), "maps");
     EXPECT(m->at.line == 1 && m->at.column == 1 && !strcmp(m->at.file, "v.mtl"), "place");
     m = material(&f, "two words");
-    EXPECT(m->d == 0.25f && !strcmp(m->map_bump, "7") && m->at.line == 14, "'%s'", m->map_bump);
+    EXPECT(m->d == 0.25f && !strcmp(mtl_map(m, MTL_BUMP), "7") && m->at.line == 14, "words");
     m = material(&f, "bare");
     EXPECT(m->d == 0.5f && rgb_is(m->tf, 1, 1, 1) && rgb_is(m->kd, 0, 0, 0) && !m->has_kd &&
            !m->has_ks && !m->has_ke && m->ni == 1.0f && m->ns == 0.0f && m->illum == -1 &&
-           !m->map_kd[0] && !m->map_d[0] && !m->map_bump[0], "defaults");
+           !mtl_map(m, MTL_KD)[0] && !mtl_map(m, MTL_D)[0] && !mtl_map(m, MTL_BUMP)[0], "defaults");
     EXPECT(material(&f, "first")->illum == 0 && material(&f, "last")->illum == 10, "illum");
     mtl_clear(&f);
 }

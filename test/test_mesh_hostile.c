@@ -27,7 +27,9 @@ static const char obj_text[] =
 static const char mtl_text[] =
     "# a\nnewmtl r\nKd .1 .2 .3\nKs 1\nKe 0 0 1e1\nNs 10\nNi 1.5\nd .5\nTr .5\nTf 1 1 1\nillum 2\n"
     "map_Kd -s 1 2 -clamp on a b.png\nmap_d d.png\nnewmtl b c # d\nbump -bm .5 x.png\n"
-    "Kd spectral f 1\nKd xyz 1 1 1\nPr 1 \\\n2\nd -halo .5\n";
+    "Kd spectral f 1\nKd xyz 1 1 1\nPr 1 \\\n2\nd -halo .5\n"
+    "newmtl p\nPm .5\nPc 1\naniso .1\nmap_Pr -bm 1 r.png\nnorm -bm 2 n.png\nmap_Ke e.png\n"
+    "map_Ns s.png\nmap_Ks k.png\n";
 
 static const char ply_text[] =
     "ply\nformat ascii 1.0\ncomment a\nelement face 2\nproperty uchar c\n"

@@ -49,7 +49,14 @@ static const char *const seeds[] = {
     "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 0 0 1]\n"
     "Shape \"geometryimage\" \"integer side\" 9\n"
     "Shape \"cylinder\" \"float phimax\" 9 Shape \"nurbs\" \"xyz a\" [1 1 1]\n"
-    "Material \"conductor\" \"bool remaproughness\" \"false\" Material \"\" WorldEnd"
+    "Material \"conductor\" \"bool remaproughness\" \"false\" Material \"\" WorldEnd",
+
+    "WorldBegin MakeNamedMaterial \"d\" \"string type\" \"disney\" \"rgb color\" [.8 .2 0]\n"
+    "\"float metallic\" .5 \"float spectrans\" .2 \"float anisotropic\" .1 \"float sheen\" 1\n"
+    "MakeNamedMaterial \"u\" \"string type\" \"uber\" \"rgb opacity\" [0 1 .5]\n"
+    "Material \"mix\" \"string materials\" [\"d\" \"u\"] \"rgb amount\" [1 0 .5]\n"
+    "Material \"coatedconductor\" \"float interface.eta\" 1.3 \"float albedo\" 0\n"
+    "\"string normalmap\" \"n.jpg\""
 };
 enum { SEEDS = sizeof seeds / sizeof *seeds };
 
@@ -124,6 +131,7 @@ static void mutate_options(void) { mutate(0); }
 static void mutate_attributes(void) { mutate(1); }
 static void mutate_names(void) { mutate(2); }
 static void mutate_shapes(void) { mutate(3); }
+static void mutate_materials(void) { mutate(4); }
 
 /* Every beginning, every byte left out or doubled, eight bytes put in before every byte; and, as a
  * sample of the changes above, one line of error each. */
@@ -163,8 +171,8 @@ static const char obj_text[] =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n"
     "usemtl a\nf 1 2 4\nusemtl b\nf -1 3 4\nusemtl c\nf 2 3 4\n";
 static const char mtl_text[] =
-    "newmtl a\nKd .1 .2 .3\nKs .9 1 .5\nNs 9\nmap_Kd x.tga\nnewmtl b\nKe 1 2 3\nnewmtl c\nillum 7\n"
-    "Ni 1.5\nTf 1 .5 1\nd .5\n";
+    "newmtl a\nKd .1 .2 .3\nKs .9 1 .5\nNs 9\nmap_Kd x.tga\nbump n.ppm\nnewmtl b\nKe 1 2 3\n"
+    "map_Ke n.ppm\nPr .5\nmap_Pm n.ppm\nnewmtl c\nillum 7\nNi 1.5\nTf 1 .5 1\nd .5\n";
 
 /* Without the care of file_write, which waits for the disc. */
 static void overwrite(const char *path, const char *bytes, size_t n)
@@ -200,6 +208,7 @@ static void mutate_pair(bool every)
     char path[2][300], block[SEED_MAX];
 
     messages_nowhere();
+    scene_write("n.ppm", "P3 1 1 255 128 128 255\n");
     for (int k = 0; k < 2; k++)
         snprintf(path[k], sizeof path[k], "%s", scene_write(names[k], texts[k]));
     EXPECT(try_pair(path[0], "the seed"), "the seed was refused");
@@ -406,6 +415,7 @@ const TestCase test_scenefile_hostile[] = {
     { "mutate_options", mutate_options, false },
     { "mutate_attributes", mutate_attributes, false },
     { "mutate_names", mutate_names, false },
+    { "mutate_materials", mutate_materials, false },
     { "mutate_shapes", mutate_shapes, false },
     { "cut", cut, false },
     { "mutate_obj_bits", mutate_obj_bits, false },

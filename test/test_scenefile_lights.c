@@ -189,10 +189,35 @@ static void areas(void)
     scenefile_clear(&f);
 }
 
+/* Of a lamp behind a mask only what is left of it shines, and a power that is asked for is that of
+ * what is left: of 64 squares every second, on half of the picture's width. */
+static void masks(void)
+{
+    static const char text[] = "WorldBegin\nTexture \"holes\" \"float\" \"checkerboard\" "
+        "\"float uscale\" 8 \"float vscale\" 8 \"float tex1\" 1 \"float tex2\" 0.5\n"
+        "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] %s\n"
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 4 0 0 4 4 0 0 4 0] \"integer indices\" "
+        "[0 1 2 0 2 3] \"point2 uv\" [0 0 .5 0 .5 1 0 1] \"texture alpha\" \"holes\"";
+    char with[700];
+    SceneFile f;
+
+    snprintf(with, sizeof with, text, "");
+    f = lights_of(with, 0, 1);
+    EXPECT(is(power_of(&f, 0), 12 * PI_F, 24 * PI_F, 36 * PI_F), "power %g, not %g",
+           (double)power_of(&f, 0).r, 12 * PI);
+    scenefile_clear(&f);
+    snprintf(with, sizeof with, text, "\"float power\" 20");
+    f = lights_of(with, 0, 1);
+    EXPECT(fabsf(rgb_lum(power_of(&f, 0)) - 20) < 1e-3f, "power %g, not 20",
+           (double)rgb_lum(power_of(&f, 0)));
+    scenefile_clear(&f);
+}
+
 const TestCase test_scenefile_lights[] = {
     { "projections", projections, false },
     { "goniometric", goniometric, false },
     { "skies", skies, false },
     { "areas", areas, false },
+    { "masks", masks, false },
     { NULL, NULL, false }
 };

@@ -239,11 +239,9 @@ static void spellings(void)
 static void substitutes(void)
 {
     static const struct { const char *type, *kind; } rows[] = {
-        { "disney", "coateddiffuse" },      { "hair", "diffuse" },
-        { "kdsubsurface", "coateddiffuse" },
+        { "hair", "diffuse" },              { "kdsubsurface", "coateddiffuse" },
         { "measured", "diffuse" },          { "fourier", "diffuse" },
-        { "subsurface", "coateddiffuse" },
-        { "coatedconductor", "conductor" }, { "nothing like it", "diffuse" },
+        { "subsurface", "coateddiffuse" },  { "nothing like it", "diffuse" },
     };
     messages_nowhere();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {

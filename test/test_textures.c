@@ -555,7 +555,26 @@ static void bounded(void)
     scenefile_clear(&f);
 }
 
+/* A name is free again where the block ends in which it was defined. */
+static void names_end(void)
+{
+    static const char define[] = "Texture \"t\" \"float\" \"constant\"\n";
+    char text[600];
+    SceneFile f;
+
+    messages_quiet(true);
+    snprintf(text, sizeof text, "WorldBegin AttributeBegin %s AttributeEnd AttributeBegin %s"
+             "AttributeEnd %s", define, define, define);
+    f = scene_of(text, 0);
+    scenefile_clear(&f);
+    snprintf(text, sizeof text, "WorldBegin %s AttributeBegin %s TransformBegin %s TransformEnd "
+             "AttributeEnd", define, define, define);
+    f = scene_of(text, 2);
+    scenefile_clear(&f);
+}
+
 const TestCase test_textures[] = {
+    { "names_end", names_end, false },
     { "pyramid_levels", pyramid_levels, false },
     { "lookups", lookups, false },
     { "far_places", far_places, false },

@@ -61,6 +61,7 @@ INLINE Rgb rgb_mul(Rgb a, Rgb b) { return (Rgb){ a.r * b.r, a.g * b.g, a.b * b.b
 INLINE Rgb rgb_scale(Rgb a, float s) { return (Rgb){ a.r * s, a.g * s, a.b * s }; }
 INLINE bool rgb_black(Rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
 INLINE bool rgb_finite(Rgb a) { return is_finite(a.r) && is_finite(a.g) && is_finite(a.b); }
+INLINE float rgb_min(Rgb a) { return f_min(a.r, f_min(a.g, a.b)); }
 INLINE float rgb_max(Rgb a) { return f_max(a.r, f_max(a.g, a.b)); }
 /* [Cline07 4.6.1] */
 INLINE float rgb_lum(Rgb a) { return 0.299f * a.r + 0.587f * a.g + 0.114f * a.b; }

@@ -3,13 +3,13 @@
 
 extern const BsdfKind bsdf_diffuse, bsdf_orennayar, bsdf_diffusetransmission, bsdf_phong,
                       bsdf_mirror, bsdf_dielectric, bsdf_thindielectric, bsdf_conductor,
-                      bsdf_coateddiffuse, bsdf_ashikhminshirley, bsdf_ward, bsdf_blinn,
-                      bsdf_lafortune, bsdf_measured;
+                      bsdf_coateddiffuse, bsdf_coatedconductor, bsdf_ashikhminshirley, bsdf_ward,
+                      bsdf_blinn, bsdf_lafortune, bsdf_measured;
 
 const BsdfKind *const bsdfs[] = {
     &bsdf_diffuse, &bsdf_orennayar, &bsdf_diffusetransmission, &bsdf_phong, &bsdf_mirror,
     &bsdf_dielectric, &bsdf_thindielectric, &bsdf_conductor, &bsdf_coateddiffuse,
-    &bsdf_ashikhminshirley, &bsdf_ward, &bsdf_blinn, &bsdf_lafortune,
+    &bsdf_coatedconductor, &bsdf_ashikhminshirley, &bsdf_ward, &bsdf_blinn, &bsdf_lafortune,
     &bsdf_measured, &bsdf_mix, NULL
 };
 

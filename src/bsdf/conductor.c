@@ -1,19 +1,16 @@
 /* conductor.c -- a metal, polished or rough, on both sides.
  *
  * Source  GGX facets with sampled visible normals, see ggx.h; Fresnel's formula for a complex
- *         index, see fresnel.h, one for each of red, green and blue. Options and their defaults
- *         (copper, alpha = sqrt(roughness)) are those of pbrt-v4, as is the index made from a
- *         colour: eta = 1 and k so that the colour is what is reflected head on.
+ *         index, one for each of red, green and blue, see metal.h. As in pbrt-v4, alpha is
+ *         sqrt(roughness) unless `remaproughness` is false.
  *
  * Light is reflected by one facet only, so rough metal comes out too dark, never too bright. An
  * alpha below GGX_SMOOTHEST along both axes makes a perfect mirror, a delta. */
 #include "bsdf/bsdf.h"
-#include "bsdf/fresnel.h"
 #include "bsdf/ggx.h"
+#include "bsdf/metal.h"
 
-#define HIGHEST 1000.0f         /* index */
-
-typedef struct { Rgb eta, k; Ggx facets; } Conductor;           /* facets.ax = 0: a mirror */
+typedef struct { Metal metal; Ggx facets; } Conductor;          /* facets.ax = 0: a mirror */
 
 static const Conductor *of(const Bsdf *b)
 {
@@ -22,44 +19,17 @@ static const Conductor *of(const Bsdf *b)
 
 static bool is_mirror(const Conductor *c) { return c->facets.ax == 0.0f; }
 
-/* k for eta = 1 and this reflectance R at c = 1, where R = k^2 / (4 + k^2). */
-static float k_of(float R)
-{
-    R = f_min(clamp01(R), 0.9999f);                             /* R = 1 has no finite k */
-    return 2.0f * sqrtf(R / (1.0f - R));
-}
-
-/* An index as a texture may give it; below 0 the metal's. */
-static Rgb index_of(Rgb value, Rgb metal)
-{
-    if (value.r < 0.0f)
-        return metal;
-    return rgb(f_min(value.r, HIGHEST), f_min(f_max(value.g, 0.0f), HIGHEST),
-               f_min(f_max(value.b, 0.0f), HIGHEST));
-}
-
 static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Conductor *c = (Conductor *)(void *)b->as.number;
-    Rgb reflectance = value[6];
 
     (void)data;
     ggx_init(&c->facets, value[0].r, value[1].r, value[2].r, value[3].r != 0.0f);
     b->flags &= ~ggx_lacks(c->facets);
-    c->eta = index_of(value[4], rgb(0.2004f, 0.9240f, 1.1022f));                /* copper */
-    c->k = index_of(value[5], rgb(3.9129f, 2.4528f, 2.1421f));
-    if (reflectance.r >= 0.0f) {
-        c->eta = rgb_all(1.0f);
-        c->k = rgb(k_of(reflectance.r), k_of(reflectance.g), k_of(reflectance.b));
-    }
+    c->metal = metal_of(value[4], value[5], value[6]);
 }
 
-static Rgb fresnel(const Conductor *c, float cosine)
-{
-    return rgb(fresnel_conductor(cosine, c->eta.r, c->k.r),
-               fresnel_conductor(cosine, c->eta.g, c->k.g),
-               fresnel_conductor(cosine, c->eta.b, c->k.b));
-}
+static Rgb fresnel(const Conductor *c, float cosine) { return metal_fresnel(&c->metal, cosine); }
 
 static Rgb eval(const Bsdf *b, V3 wo, V3 wi, bool importance)
 {

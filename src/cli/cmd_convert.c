@@ -73,6 +73,9 @@ static int run(int argc, char **argv)
     }
     format = image_format_for_writing(l.file[1]);
     ok = format && image_read(&im, l.file[0], (uint64_t)l.max_pixels);
+    if (ok && im.alpha)
+        ok = warn_at((Place){ l.file[0], 0, 0 }, "it has opacities (alpha), which no format that "
+                     "is written has; they are left out");
     if (ok && format->linear && l.display.exposure != 0.0f)
         expose(&im, l.display.exposure);
     ok = ok && format->write(&im, l.file[1], &l.display);

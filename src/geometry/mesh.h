@@ -45,22 +45,29 @@ bool ply_read(Mesh *m, const char *path, const unsigned char *bytes, size_t n);
  * triangles. Groups are not written. False: reported, an older file untouched. */
 bool ply_write(const Mesh *m, const char *path);
 
+typedef enum {
+    MTL_KD, MTL_KS, MTL_KE, MTL_NS, MTL_D, MTL_BUMP, MTL_NORM, MTL_ROUGHNESS, MTL_METALLIC
+} MtlMapKind;
+typedef struct MtlMap { const struct MtlMap *next; const char *name; MtlMapKind kind; } MtlMap;
+
 /* A material as an MTL file gives it; `at` says where (its file is the path given, borrowed).
- * Colours linear as written. What is not
- * given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1; bump 1. Strings belong to the MtlFile and
- * are never NULL; map names are as written, relative to the MTL file. */
+ * Colours linear as written. What is not given: kd, ks, ke 0 (see has_*); tf 1; ns 0; ni 1; d 1;
+ * bump 1; roughness, metallic -1; coat, coat_roughness, aniso 0. Strings belong to the MtlFile;
+ * map names are as written, relative to the MTL file. */
 typedef struct {
     const char *name;
-    const char *map_kd, *map_d, *map_bump;              /* "" if none */
+    const MtlMap *maps;         /* the MtlFile's; newest first. See mtl_map */
     Place at;
     Rgb   kd, ks, ke, tf;
     float ns, ni, d;
-    float bump;                 /* option -bm of map_bump: multiplies the heights */
+    float bump;                 /* option -bm of map_bump or norm: multiplies the heights */
+    float roughness, metallic, coat, coat_roughness, aniso;     /* Pr, Pm, Pc, Pcr, aniso */
     signed char illum;          /* -1: not given */
     bool  has_kd, has_ks, has_ke;
 } MtlMaterial;
 
 typedef struct { MtlMaterial *m; size_t n, cap; Arena strings; } MtlFile;       /* owned */
+const char *mtl_map(const MtlMaterial *m, MtlMapKind kind);     /* "" if none */
 bool mtl_read(MtlFile *f, const char *path, const unsigned char *bytes, size_t n);
 void mtl_clear(MtlFile *f);
 

@@ -1,6 +1,7 @@
 /* mtl.c -- Wavefront MTL files: the materials that an OBJ file names.
  *
- * Source  Wavefront, "MTL material format" (Lightwave, OBJ), v4.2, October 1995.
+ * Source  Wavefront, "MTL material format" (Lightwave, OBJ), v4.2, October 1995; norm, Ke, and the
+ *         P-words, which say how rough, metallic and coated a surface is, as exporters write them.
  *
  * Keywords are taken in any case. Colours are RGB; those given as `spectral` or `xyz` are left out
  * with a warning. Tr is read as 1 - d, and gives way to d where a material has both, because
@@ -18,7 +19,7 @@ typedef enum { S_COLOUR, S_NUMBER, S_DISSOLVE, S_TRANSPARENT, S_ILLUM, S_MAP, S_
 typedef struct {
     const char *keyword;
     Kind   kind;
-    size_t field, has;                  /* where it goes; `has` of 0: no flag */
+    size_t field, has;                  /* where it goes; `has` of 0: no flag. S_MAP: its kind */
 } Statement;
 
 #define FIELD(f) offsetof(MtlMaterial, f)
@@ -33,10 +34,21 @@ static const Statement statements[] = {
     { "d", S_DISSOLVE, FIELD(d), 0 },
     { "Tr", S_TRANSPARENT, FIELD(d), 0 },
     { "illum", S_ILLUM, FIELD(illum), 0 },
-    { "map_Kd", S_MAP, FIELD(map_kd), 0 },
-    { "map_d", S_MAP, FIELD(map_d), 0 },
-    { "map_bump", S_MAP, FIELD(map_bump), 0 },
-    { "bump", S_MAP, FIELD(map_bump), 0 },
+    { "map_Kd", S_MAP, MTL_KD, 0 },
+    { "map_d", S_MAP, MTL_D, 0 },
+    { "map_Ks", S_MAP, MTL_KS, 0 },
+    { "map_Ke", S_MAP, MTL_KE, 0 },
+    { "map_Ns", S_MAP, MTL_NS, 0 },
+    { "Pr", S_NUMBER, FIELD(roughness), 0 },
+    { "Pm", S_NUMBER, FIELD(metallic), 0 },
+    { "Pc", S_NUMBER, FIELD(coat), 0 },
+    { "Pcr", S_NUMBER, FIELD(coat_roughness), 0 },
+    { "aniso", S_NUMBER, FIELD(aniso), 0 },
+    { "map_Pr", S_MAP, MTL_ROUGHNESS, 0 },
+    { "map_Pm", S_MAP, MTL_METALLIC, 0 },
+    { "norm", S_MAP, MTL_NORM, 0 },
+    { "map_bump", S_MAP, MTL_BUMP, 0 },
+    { "bump", S_MAP, MTL_BUMP, 0 },
     { "Ka", S_IGNORED, 0, 0 },          /* ambient light and its kin have no physical meaning */
     { "map_Ka", S_IGNORED, 0, 0 },
     { "sharpness", S_IGNORED, 0, 0 },
@@ -179,6 +191,7 @@ static bool read_map(Mtl *r, const Statement *s)
 {
     Word name;
     const char *copy;
+    MtlMap *map;
 
     for (;;) {
         Text back = r->t;
@@ -187,7 +200,7 @@ static bool read_map(Mtl *r, const Statement *s)
         while (options[k].name && !word_is_nocase(w, options[k].name))
             k++;
         if (options[k].name) {
-            if (!strcmp(options[k].name, "-bm") && s->field == FIELD(map_bump))
+            if (!strcmp(options[k].name, "-bm") && (s->field == MTL_BUMP || s->field == MTL_NORM))
                 read_multiplier(r);
             skip_option(&r->t, k);
             continue;
@@ -204,9 +217,12 @@ static bool read_map(Mtl *r, const Statement *s)
         return err_at(text_place_of(&r->t, name.s), "%s without a file, a name was expected",
                       s->keyword);
     copy = obj_check_name(&r->t, name) ? arena_string(&r->f->strings, name.s, name.n) : NULL;
-    if (copy)
-        store(r, s->field, &copy, sizeof copy);
-    return copy != NULL;
+    map = copy ? arena_take(&r->f->strings, 1, sizeof *map) : NULL;
+    if (!map)
+        return false;
+    *map = (MtlMap){ r->m->maps, copy, (MtlMapKind)s->field };
+    r->m->maps = map;
+    return true;
 }
 
 static bool read_statement(Mtl *r, Word w)
@@ -238,8 +254,9 @@ static bool read_statement(Mtl *r, Word w)
 
 static bool begin_material(Mtl *r, Place at)
 {
-    static const MtlMaterial fresh = { .map_kd = "", .map_d = "", .map_bump = "", .tf = { 1, 1, 1 },
-                                       .bump = 1.0f, .ni = 1.0f, .d = 1.0f, .illum = -1 };
+    static const MtlMaterial fresh = { .tf = { 1, 1, 1 },
+                                       .bump = 1.0f, .ni = 1.0f, .d = 1.0f, .illum = -1,
+                                       .roughness = -1.0f, .metallic = -1.0f };
     Word name = obj_rest(&r->t);
 
     if (!name.n)
@@ -295,6 +312,14 @@ bool mtl_read(MtlFile *f, const char *path, const unsigned char *bytes, size_t n
         return true;
     mtl_clear(f);
     return false;
+}
+
+const char *mtl_map(const MtlMaterial *m, MtlMapKind kind)
+{
+    for (const MtlMap *map = m->maps; map; map = map->next)
+        if (map->kind == kind)
+            return map->name;
+    return "";
 }
 
 void mtl_clear(MtlFile *f)

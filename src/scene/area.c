@@ -72,13 +72,14 @@ static bool prepare_triangles(Area *l, const Shape *s)
     return ok;
 }
 
+static Rgb shining(const Area *l);
+
 /* The integral of cos^(exponent + 1) is 2 pi / (exponent + 2). */
 static Rgb power(const Light *base)
 {
     const Area *l = (const Area *)base;
     float all = PI_F * l->area * (l->two_sided ? 2.0f : 1.0f) / (0.5f * l->exponent + 1.0f);
-    Rgb p = rgb_scale(l->L, all);
-    return base->textured ? rgb_mul(p, texture_mean(&l->picture)) : p;
+    return rgb_scale(rgb_mul(l->L, l->mean), all);
 }
 
 static bool prepare(Light *base, const Scene *scene)
@@ -104,6 +105,7 @@ static bool prepare(Light *base, const Scene *scene)
     case SHAPE_INSTANCE:
         break;
     }
+    l->mean = shining(l);
     l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
     area_prepare_estimate(l);
     return true;
@@ -265,6 +267,28 @@ static Rgb masked(const Area *l, const AreaPoint *s, Rgb L)
         return L;
     at = surface_at(s->p, s->err, s->n, s->uv);
     return rgb_scale(L, clamp01(texture_alpha(l->mask, &at)));
+}
+
+/* The mean over the shape of the picture times the mask, by points that are evenly spread: what the
+ * shape shows of the unit square of (u, v), and how large, only it knows. */
+static Rgb shining(const Area *l)
+{
+    enum { SIDE = 128 };
+    Rgb sum = rgb_all(0.0f), one;
+    AreaPoint at;
+
+    if (!looks_at_uv(l))
+        return rgb_all(1.0f);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        V2 u = { ((float)(i % SIDE) + 0.5f) / SIDE, ((float)(i / SIDE) + 0.5f) / SIDE };
+        Surface s;
+        if (!point_sample(l, u, &at))
+            return rgb_all(0.0f);
+        s = surface_at(at.p, at.err, at.n, at.uv);
+        one = l->base.textured ? texture_eval(&l->picture, &s) : rgb_all(1.0f);
+        sum = rgb_add(sum, masked(l, &at, one));
+    }
+    return rgb_scale(sum, 1.0f / (SIDE * SIDE));
 }
 
 /* ---- the cone of a sphere ---- */

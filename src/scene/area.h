@@ -11,6 +11,7 @@ typedef struct {
     bool  two_sided;
     float exponent;
     Texture picture;            /* if base.textured */
+    Rgb   mean;                 /* of picture and mask over the shape */
     const Texture *mask;        /* borrowed; opacity of the shape's material, or NULL */
     const Scene *scene;         /* borrowed */
     uint32_t geometry, shape;

@@ -62,7 +62,7 @@ void area_prepare_estimate(Area *l)
         l->axis = s->flip ? v_neg(s->as.disk.frame.n) : s->as.disk.frame.n;
     else if (is_flat(l, s, n))
         l->axis = s->flip ? v_neg(l->normals[0]) : l->normals[0];
-    l->lum = rgb_lum(l->L) * (l->base.textured ? rgb_lum(texture_mean(&l->picture)) : 1.0f);
+    l->lum = rgb_lum(rgb_mul(l->L, l->mean));
 }
 
 /* Area that a flat lamp shows the point, with its focus; a body shows a quarter of its surface, as

@@ -1,4 +1,5 @@
-/* material.c -- a BSDF model and where its parameters come from, bumps included. See scene.h.
+/* material.c -- a BSDF model and where its parameters come from, bumps and pictures of normals
+ * included. See scene.h.
  *
  * Bumps   [Blinn78]: a surface p(u, v) displaced by d along its normal n has
  *           p'_u = p_u + d_u n, p'_v = p_v + d_v n (d n_u and d n_v are left out, as d is small),
@@ -6,6 +7,11 @@
  *           N' = |N| n + s (d_u (n x p_v) - d_v (n x p_u)),  N = p_u x p_v,
  *         where s = +-1 says on which side of n the vector N is. d_u and d_v are differences of
  *         the texture to both sides.
+ *
+ * Normals [PBRT4 10.5.3]: red, green and blue of a picture are (1 + x) / 2 and so on of a unit
+ *         vector, in the frame of the shading normal (z), of x along p_u and y = z cross x. Tools
+ *         that paint across seams where a picture is mirrored mean y to be on the side of p_v:
+ *         `mirrors`. Bumps stand on top of them.
  *
  * Shading normals that geometry does not have are known to go wrong; what is done about it: the
  * normal stays on the side of the geometric one, or it is left as it was. It does not depend on
@@ -70,7 +76,7 @@ void material_settle(Material *all, uint32_t index)
 {
     Material *m = &all[index];
 
-    m->looks_at_uv = m->textured || m->opacity || m->bump;
+    m->looks_at_uv = m->textured || m->opacity || m->bump || m->normals;
     for (int k = 0; k < 2 && m->kind == &bsdf_mix; k++) {
         ASSERT(m->part[k] < index);             /* settled before */
         m->mixed[k] = &all[m->part[k]];
@@ -94,16 +100,40 @@ bool material_glints(const Material *m)
 
 /* ---- the model at a point ---- */
 
+/* Of the rays that a mixture stopped, the share of its first part. */
+static Rgb stopped_share(const Material *m, const Surface *s, Rgb amount)
+{
+    Rgb share[2];
+
+    amount = reflectance_of(amount);
+    for (int k = 0; k < 2; k++) {
+        const Texture *o = m->mixed[k]->opacity;
+        share[k] = rgb_scale(k ? rgb_sub(rgb_all(1.0f), amount) : amount,
+                             o ? clamp01(texture_alpha(o, s)) : 1.0f);
+    }
+    share[1] = rgb_add(share[0], share[1]);
+    return rgb(share[1].r > 0.0f ? share[0].r / share[1].r : 0.0f,
+               share[1].g > 0.0f ? share[0].g / share[1].g : 0.0f,
+               share[1].b > 0.0f ? share[0].b / share[1].b : 0.0f);
+}
+
+static bool parts_pass(const Material *m)
+{
+    return m->mixed[0] && (m->mixed[0]->opacity || m->mixed[1]->opacity);
+}
+
 /* Makes the model in *b; parts of mixtures take what follows *free. */
 static void make(const Material *m, const Surface *s, Bsdf *b, Bsdf **free)
 {
     Rgb value[OPT_MAX];
 
-    if (LIKELY(!m->textured))
+    if (LIKELY(!m->textured && !parts_pass(m)))
         bsdf_make(b, m->kind, m->value, m->data);
     else {
         for (int i = 0; i < m->nvalues; i++)
             value[i] = m->texture[i] ? texture_eval(m->texture[i], s) : m->value[i];
+        if (parts_pass(m))
+            value[0] = stopped_share(m, s, value[0]);
         bsdf_make(b, m->kind, value, m->data);
     }
     if (m->mixed[0]) {
@@ -163,8 +193,28 @@ static V3 bumped_normal(const Material *m, const Surface *s)
     return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
 }
 
+static V3 painted_normal(const Material *m, const Surface *s)
+{
+    Frame f = frame_along(s->ns, s->dpdu);
+    Rgb c = texture_eval(m->normals, s);
+    V3 n = { (2.0f * c.r - 1.0f) * m->slope, (2.0f * c.g - 1.0f) * m->slope, 2.0f * c.b - 1.0f };
+
+    if (m->mirrors && v_dot(f.t, s->dpdv) < 0.0f)
+        n.y = -n.y;
+    n = v_unit(frame_out(&f, n));
+    return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
+}
+
 Frame material_frame_bumped(const Material *m, const Surface *s)
 {
-    V3 n = bumped_normal(m, s);
+    Surface there;
+    V3 n;
+
+    if (m->normals) {
+        there = *s;
+        there.ns = painted_normal(m, s);
+        s = &there;
+    }
+    n = m->bump ? bumped_normal(m, s) : s->ns;
     return m->tangent ? frame_along(n, s->dpdu) : frame_about(n);
 }

@@ -15,7 +15,12 @@
  *
  * r is the distance from the middle, 1 at the edges of the square. The camera of both balls stands
  * at -x, looks along +x, and its upright is z: so right in the picture is +y. Hence both middles
- * are where latlong has its own; seen from the ball, left and right change sides.
+ * are where latlong has its own; seen from the ball, left and right change sides. That is what a
+ * photograph of a ball shows (test/test_probes.c takes one and lights by it), and what [Debevec98]
+ * says, who stands with his camera in the middle of his probes: right-handed, the camera at +z,
+ * (u, v) = r (x, y) and pi r = acos z; the world of the scene language is left-handed. Some tools
+ * write angular maps of the world as it is seen from the middle, not mirrored: `Scale 1 -1 1`
+ * before the light turns those over.
  *
  * jacobian = d omega / d place: latlong 2 pi^2 sin(theta) [errata 5.1]; octahedral 4 pi;
  * mirrorball 16; angular 4 pi sin(pi r) / r; window 4 half_x half_y cos^3(angle to z). It is 0

@@ -25,9 +25,14 @@ typedef struct Material {
     bool textured;                              /* any texture that is not NULL */
     const Texture *opacity;                     /* NULL: 1; where it is 0, rays pass */
     const Texture *bump;                        /* NULL: none; height along the shading normal */
+    const Texture *normals;                     /* NULL: none; a picture of them, material.c */
+    float slope;                                /* factor of their tilt, */
+    bool  mirrors;                              /* in a frame whose second tangent follows v */
     void *data;                                 /* what the kind's load() made, or NULL */
     bool borrows;                               /* data is another material's; else it is owned */
-    uint32_t part[2];                           /* of a mix: materials added before this one */
+    /* Of a mix: materials added before this one. Where they let rays pass, its opacity is their
+     * mean by `amount`, and of what it stops each has the part that it stopped. */
+    uint32_t part[2];
     const struct Material *mixed[2];            /* the same, borrowed; set by scene_build */
     bool tangent;                               /* set by scene_build: the frame follows dpdu, */
     bool looks_at_uv;                           /* and uv and its derivatives matter */
@@ -46,11 +51,11 @@ bool material_glints(const Material *m);
 /* The model at a point, in *room, which is returned. */
 const Bsdf *material_bsdf(const Material *m, const Surface *s, BsdfRoom *room);
 /* The local frame in which the model's directions are given: about the shading normal, which a bump
- * map turns. */
+ * map or a normal map turns. */
 Frame material_frame_bumped(const Material *m, const Surface *s);
 static inline Frame material_frame(const Material *m, const Surface *s)
 {
-    if (UNLIKELY(m->bump != NULL))
+    if (UNLIKELY(m->bump || m->normals))
         return material_frame_bumped(m, s);
     return m->tangent ? frame_along(s->ns, s->dpdu) : frame_about(s->ns);
 }

@@ -67,6 +67,11 @@ static bool in_dot(V2 st)
     return dx * dx + dy * dy < DOT_RADIUS * DOT_RADIUS;
 }
 
+static Rgb root(Rgb c)
+{
+    return rgb(sqrtf(f_max(c.r, 0.0f)), sqrtf(f_max(c.g, 0.0f)), sqrtf(f_max(c.b, 0.0f)));
+}
+
 static Rgb eval_bilerp(const Texture *t, const Surface *s, bool alpha)
 {
     V2 st = texture_map_st(&t->map, s);
@@ -154,6 +159,7 @@ static Rgb eval(const Texture *t, const Surface *s, bool alpha)
     case TEXTURE_SCALE:    return rgb_mul(eval(t->a, s, alpha), eval(t->b, s, alpha));
     case TEXTURE_MIX:
         return mix(eval(t->a, s, alpha), eval(t->b, s, alpha), eval(t->c, s, false));
+    case TEXTURE_ROOT:     return root(eval(t->a, s, alpha));
     case TEXTURE_DIRECTION_MIX:
         along = v_absdot(s->ng, t->axis);
         return mix(eval(t->b, s, alpha), eval(t->a, s, alpha), rgb_all(along));
@@ -213,6 +219,7 @@ Rgb texture_mean(const Texture *t)
         return rgb_scale(rgb_add(texture_mean(t->a), texture_mean(t->b)), 0.5f);
     case TEXTURE_SCALE:    return rgb_mul(texture_mean(t->a), texture_mean(t->b));
     case TEXTURE_MIX:      return mix(texture_mean(t->a), texture_mean(t->b), texture_mean(t->c));
+    case TEXTURE_ROOT:     return root(texture_mean(t->a));
     case TEXTURE_BILERP:
         return rgb_scale(rgb_add(rgb_add(texture_mean(t->a), texture_mean(t->b)),
                                  rgb_add(texture_mean(t->c), texture_mean(t->d))), 0.25f);

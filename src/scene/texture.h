@@ -14,6 +14,7 @@ typedef enum {
     TEXTURE_CHECKER3,           /* in unit cubes of space */
     TEXTURE_SCALE,              /* a times b */
     TEXTURE_MIX,                /* a (1 - c) + b c */
+    TEXTURE_ROOT,               /* of a */
     TEXTURE_DIRECTION_MIX,      /* a where the normal runs along `axis`, b where across */
     TEXTURE_BILERP,             /* a, b, c, d at (0,0), (0,1), (1,0), (1,1) of (s, t) */
     TEXTURE_DOTS,               /* a inside, b outside of discs in about half of the unit squares */

@@ -13,10 +13,19 @@ static const struct { const char *begin, *end; } pairs[] = {
 
 bool stack_push(Reader *r, SavedKind kind, Place at)
 {
-    Saved s = { kind, r->state, at };
+    Saved s = { kind, r->state, at, ++r->nblocks };
     if (r->nstack == STACK_MAX)
         return err_at(at, "attributes are nested more than %d deep", STACK_MAX);
     return MEM_PUSH(r->stack, r->nstack, r->cap_stack, s);
+}
+
+bool stack_holds(const Reader *r, uint64_t block)
+{
+    size_t i = r->nstack;
+
+    while (i > 0 && r->stack[i - 1].block != block)
+        i--;
+    return block == 0 || i > 0;
 }
 
 static void restore(Reader *r, const Saved *s)

@@ -117,6 +117,11 @@ Texture *texture_image(Reader *r, Place at, const char *name)
     return picture(r, at, name, ENCODING_BY_FILE);
 }
 
+Texture *texture_data(Reader *r, Place at, const char *name)
+{
+    return picture(r, at, name, ENCODING_LINEAR);
+}
+
 /* Version 4: "encoding" is "sRGB", "linear" or "gamma X". Before: "bool gamma", whether it is sRGB,
  * and "float gamma", the exponent. */
 static bool encoding_of(Build *b, Encoding *encoding)

@@ -8,8 +8,10 @@
  * there. Roughness of version 3 becomes the alpha of facets by its own formula, as long as no
  * texture gives it.
  *
+ * disney is in principled.c.
+ *
  * "", "none" and "interface" mark surfaces that only separate media, see surfaces.c. */
-#include "scenefile/reader.h"
+#include "scenefile/textures.h"
 
 #include <string.h>
 
@@ -42,18 +44,12 @@ static const Alias aliases[] = {
       { { "reflectance", 0.25 }, { "specular", 0.25 }, { "roughness", 0.1 } } },
     { "translucent", "diffusetransmission", MEANT, { { "Kd", "reflectance" } },
       { { "reflectance", 0.25 } } },
-    { "disney", "coateddiffuse", STAND_IN, { { "color", "reflectance" } },
-      { { "reflectance", 0.5 }, { "roughness", 0.5 } } },
     { "kdsubsurface", "coateddiffuse", STAND_IN, { { "Kd", "reflectance" } },
       { { "reflectance", 0.5 } } },
     { "subsurface", "coateddiffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
     { "hair", "diffuse", STAND_IN, { { "color", "reflectance" } }, { { "reflectance", 0.3 } } },
     { "measured", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
     { "fourier", "diffuse", STAND_IN, { { NULL, NULL } }, { { "reflectance", 0.5 } } },
-    { "coatedconductor", "conductor", STAND_IN,
-      { { "conductor.eta", "eta" }, { "conductor.k", "k" }, { "conductor.roughness", "roughness" },
-        { "conductor.uroughness", "uroughness" }, { "conductor.vroughness", "vroughness" } },
-      { { NULL, 0 } } },
 };
 enum { NALIASES = sizeof aliases / sizeof *aliases };
 
@@ -184,6 +180,42 @@ static bool fill(Reader *r, Place at, const BsdfKind *kind, const char *what, Li
            material_extras(r, what, &ps, m);
 }
 
+/* Of parts that let rays pass: those that a mixture stops are its mean, see scene.h. */
+static bool mixture_opacity(Reader *r, Material *m)
+{
+    const Texture *part[2];
+    Texture *t;
+
+    for (int k = 0; k < 2; k++)
+        part[k] = r->scene->materials[m->part[k]].opacity;
+    if (!part[0] && !part[1])
+        return true;
+    t = texture_new(r, TEXTURE_MIX);
+    if (!t)
+        return false;
+    t->b = part[0] ? part[0] : texture_constant(r, rgb_all(1.0f));
+    t->a = part[1] ? part[1] : texture_constant(r, rgb_all(1.0f));
+    t->c = m->texture[0] ? m->texture[0] : texture_constant(r, m->value[0]);
+    m->opacity = t;
+    return t->a && t->b && t->c;
+}
+
+/* What a mixture has of its parts besides their models. */
+static bool material_of_parts(Reader *r, Material *m, const uint32_t *part)
+{
+    for (int k = 0; k < 2; k++) {
+        const Material *of = &r->scene->materials[part[k]];
+        m->part[k] = part[k];
+        if (!m->bump && !m->normals) {          /* one frame for both */
+            m->bump = of->bump;
+            m->normals = of->normals;
+            m->slope = of->slope;
+            m->mirrors = of->mirrors;
+        }
+    }
+    return mixture_opacity(r, m);
+}
+
 /* part: the materials that are mixed, or NULL. */
 static bool build(Reader *r, Place at, const BsdfKind *kind, const char *what, List *l,
                   const char *name, const uint32_t *part, uint32_t *index)
@@ -194,16 +226,32 @@ static bool build(Reader *r, Place at, const BsdfKind *kind, const char *what, L
     m.kind = kind;                              /* so that it can be cleared */
     if (fill(r, at, kind, what, l, &m) &&
         (m.name = arena_string(&r->scene->arena, name, strlen(name)))) {
-        for (int k = 0; part && k < 2; k++) {
-            const Material *of = &r->scene->materials[part[k]];
-            m.part[k] = part[k];
-            m.bump = m.bump ? m.bump : of->bump;        /* one frame for both */
-        }
-        if (scene_add_material(r->scene, &m, index))
+        if ((!part || material_of_parts(r, &m, part)) &&
+            scene_add_material(r->scene, &m, index))
             return true;
     }
     material_clear(&m);
     return false;
+}
+
+bool material_mix(Reader *r, const Texture *amount, uint32_t first, uint32_t second,
+                  uint32_t *index)
+{
+    uint32_t part[2] = { first, second };
+    Material m;
+    Opts o;
+
+    *index = second;
+    if (amount->kind == TEXTURE_CONSTANT && rgb_max(amount->value) <= 0.0f)
+        return true;
+    *index = first;
+    if (amount->kind == TEXTURE_CONSTANT && rgb_min(amount->value) >= 1.0f)
+        return true;
+    opts_default(&o, bsdf_mix.info.options);
+    if (!material_init(&m, &bsdf_mix, &o, NULL))
+        return false;
+    material_put(&m, "amount", amount);
+    return material_of_parts(r, &m, part) && scene_add_material(r->scene, &m, index);
 }
 
 static bool unknown_material(Place at, const char *type)
@@ -304,6 +352,8 @@ bool material_make(Reader *r, Place at, const char *type, const Params *ps, cons
     *index = is_interface(type) ? MATERIAL_NONE : 0;
     if (is_interface(type))
         return true;
+    if (!strcmp(type, "disney"))
+        return disney_make(r, at, ps, name, index);
     if (!kind)
         return unknown_material(at, type);
     if (alias && alias->match == STAND_IN &&

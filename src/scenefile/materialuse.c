@@ -61,8 +61,17 @@ bool material_textures(Reader *r, Material *m, const Opts *o)
     return true;
 }
 
-/* A colour, a number or a texture that no table has. *t NULL: not given. False: reported. */
-static bool find_texture(Reader *r, const Params *ps, const char *name, const Texture **t)
+void material_put(Material *m, const char *key, const Texture *t)
+{
+    int k = 0;
+
+    while (m->kind->info.options[k].key && strcmp(m->kind->info.options[k].key, key))
+        k++;
+    ASSERT(m->kind->info.options[k].key);
+    set_texture(m, k, t);
+}
+
+bool material_value(Reader *r, const Params *ps, const char *name, const Texture **t)
 {
     const Param *p = params_find(ps, name, NULL);
 
@@ -83,20 +92,36 @@ static bool find_texture(Reader *r, const Params *ps, const char *name, const Te
 static bool set_bump(Reader *r, const Params *ps, Material *m)
 {
     const char *name = params_find(ps, "displacement", NULL) ? "displacement" : "bumpmap";
-    const Param *normals = params_find(ps, "normalmap", NULL);
     const Texture *t;
 
-    if (!find_texture(r, ps, name, &t))
+    if (!material_value(r, ps, name, &t))
         return false;
     m->bump = t && t->kind != TEXTURE_CONSTANT ? t : NULL;
-    return !normals || warn_at(normals->at, "normal maps are not supported; it is left out");
+    return true;
+}
+
+static bool set_normals(Reader *r, const Params *ps, Material *m)
+{
+    const Param *p = params_find(ps, "normalmap", NULL);
+    const char *name;
+
+    if (!params_string(ps, "normalmap", NULL, &name))
+        return false;
+    if (!name || !*name)
+        return true;
+    if (!texture_readable(name))
+        return warn_at(p->at, "pictures of the kind of '%.80s' cannot be read; the surface stays "
+                       "even (another program can convert it to PNG)", name);
+    m->slope = 1.0f;
+    m->normals = texture_data(r, p->at, name);
+    return m->normals != NULL;
 }
 
 /* uber of version 3 may let a part of the light pass. */
 static bool set_opacity(Reader *r, const Params *ps, Material *m)
 {
     const Texture *t;
-    if (!find_texture(r, ps, "opacity", &t))
+    if (!material_value(r, ps, "opacity", &t))
         return false;
     if (t && (t->kind != TEXTURE_CONSTANT || rgb_lum(t->value) < 1.0f))
         m->opacity = t;
@@ -110,7 +135,7 @@ static bool set_translucent(Reader *r, const Params *ps, Material *m)
     const Texture *kd = as_texture(r, m, 0), *part[2];
 
     for (int k = 0; k < 2; k++) {
-        if (!kd || !find_texture(r, ps, names[k], &part[k]))
+        if (!kd || !material_value(r, ps, names[k], &part[k]))
             return false;
         if (!part[k] && !(part[k] = texture_constant(r, rgb_all(0.5f))))
             return false;
@@ -126,7 +151,7 @@ static bool set_scale(Reader *r, const Params *ps, Material *m)
 {
     const Texture *scale, *t;
 
-    if (!find_texture(r, ps, "scale", &scale))
+    if (!material_value(r, ps, "scale", &scale))
         return false;
     for (int k = 0; scale && k < 2; k++) {
         if (!(t = as_texture(r, m, k)) || !(t = texture_product(r, t, scale)))
@@ -136,9 +161,26 @@ static bool set_scale(Reader *r, const Params *ps, Material *m)
     return true;
 }
 
+/* The coats of version 4: thickness says nothing of a clear one, and the rest how to compute. */
+static bool is_coated(const char *type)
+{
+    return !strcmp(type, "coateddiffuse") || !strcmp(type, "coatedconductor");
+}
+
+static bool set_coat(const Params *ps)
+{
+    const Param *p = params_find(ps, "albedo", NULL);
+    bool clear = !p || (p->kind == PARAM_FLOAT && p->n > 0);
+
+    for (size_t i = 0; p && clear && i < p->n; i++)
+        clear = p->numbers[i] == 0;
+    return clear || warn_at(p->at, "coats are clear; what is in this one (albedo) is left out");
+}
+
 bool material_extras(Reader *r, const char *type, const Params *ps, Material *m)
 {
-    return set_bump(r, ps, m) && (strcmp(type, "uber") || set_opacity(r, ps, m)) &&
+    return set_bump(r, ps, m) && set_normals(r, ps, m) && (!is_coated(type) || set_coat(ps)) &&
+           (strcmp(type, "uber") || set_opacity(r, ps, m)) &&
            (strcmp(type, "translucent") || set_translucent(r, ps, m)) &&
            (strcmp(type, "diffusetransmission") || set_scale(r, ps, m));
 }
@@ -151,7 +193,11 @@ void material_extras_known(const Params *ps, const char *type)
         { "translucent", "reflect" }, { "translucent", "transmit" },
         { "diffusetransmission", "scale" }
     };
+    static const char *const coat[] = { "albedo", "g", "thickness", "maxdepth", "nsamples" };
+
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         if (!*rows[i][0] || !strcmp(rows[i][0], type))
             params_find(ps, rows[i][1], NULL);
+    for (size_t i = 0; is_coated(type) && i < sizeof coat / sizeof *coat; i++)
+        params_find(ps, coat[i], NULL);
 }

@@ -1,230 +1,12 @@
 /* objfile.c -- OBJ files with their MTL files, as scenes or as shapes of one.
  *
  * Source      Wavefront Advanced Visualizer, appendix B; MTL as its dialects have it.
- * Materials   in this order, of a group of faces with one `usemtl`:
- *               a material of the scene file with that name;
- *               illum 4, 6, 7, 9, or d < 1 and Ni but no illum: dielectric of index Ni (1.5 if
- *               that is 1), tinted by Tf;
- *               illum 3, 5 with Ks: mirror of colour Ks;
- *               Ks without illum or with illum >= 2: phong of Kd, Ks, Ns;
- *               else: diffuse of Kd.
- *             Kd + Ks is scaled down to 1 where it is more. map_Kd multiplies Kd. But for glass, d
- *             and map_d together are the opacity. map_bump and bump are heights in the units of
- *             the scene, times -bm.
- * Light       Ke makes a group shine, to both sides: which side of a single face is meant, MTL
- *             does not say. The material stays as it is. */
+ * Materials   of a group of faces with one `usemtl`: the material of the scene file that has this
+ *             name, which so goes before what the MTL file says; or that of the MTL file, see
+ *             mtlmaterials.c. Without either, the material of the moment. */
 #include "scenefile/reader.h"
 
 #include <string.h>
-
-/* ---- materials ---- */
-
-typedef struct { Param p[4]; double v[4][3]; const char *s[4]; Params ps; } Made;
-
-static void made_number(Made *m, Place at, const char *name, const char *type, double a, double b,
-                        double c)
-{
-    Param *p = &m->p[m->ps.n];
-    double *v = m->v[m->ps.n++];
-    memset(p, 0, sizeof *p);
-    v[0] = a;
-    v[1] = b;
-    v[2] = c;
-    p->name = name;
-    p->type = type;
-    p->kind = PARAM_FLOAT;
-    p->at = at;
-    p->n = strcmp(type, "rgb") ? 1 : 3;
-    p->numbers = v;
-    m->ps.p = m->p;
-}
-
-static void made_rgb(Made *m, Place at, const char *name, Rgb c)
-{
-    made_number(m, at, name, "rgb", c.r, c.g, c.b);
-}
-
-static Rgb not_negative(Rgb c)
-{
-    return rgb(f_max(0.0f, c.r), f_max(0.0f, c.g), f_max(0.0f, c.b));
-}
-static Rgb at_most_one(Rgb c) { return rgb(clamp01(c.r), clamp01(c.g), clamp01(c.b)); }
-
-static bool is_glass(const MtlMaterial *m)
-{
-    return m->illum == 4 || m->illum == 6 || m->illum == 7 || m->illum == 9 ||
-           (m->d < 1.0f && m->ni > 1.0001f && m->illum < 0);
-}
-
-static const char *glass(const MtlMaterial *m, Made *out)
-{
-    float eta = m->ni > 1.0001f ? f_min(m->ni, 10.0f) : 1.5f;
-    if (m->has_ks && !rgb_black(m->ks))
-        made_rgb(out, m->at, "reflectance", at_most_one(m->ks));
-    if (!rgb_black(m->tf))
-        made_rgb(out, m->at, "transmittance", at_most_one(m->tf));
-    made_number(out, m->at, "eta", "float", eta, 0, 0);
-    return "dielectric";
-}
-
-static const char *phong(const MtlMaterial *m, Rgb kd, Made *out)
-{
-    Rgb ks = not_negative(m->ks);
-    float sum = rgb_max(rgb_add(kd, ks)), k = sum > 1.0f ? 1.0f / sum : 1.0f;
-    made_rgb(out, m->at, "reflectance", at_most_one(rgb_scale(kd, k)));
-    made_rgb(out, m->at, "specular", at_most_one(rgb_scale(ks, k)));
-    made_number(out, m->at, "exponent", "float", f_max(0.0f, f_min(m->ns, 1e6f)), 0, 0);
-    return "phong";
-}
-
-/* Which model, with which parameters. */
-static const char *model_of(const MtlMaterial *m, Rgb kd, Made *out)
-{
-    bool shiny = m->has_ks && rgb_max(m->ks) > 0.0f;
-
-    memset(out, 0, sizeof *out);
-    out->ps.p = out->p;
-    if (is_glass(m))
-        return glass(m, out);
-    if (shiny && (m->illum == 3 || m->illum == 5)) {
-        made_rgb(out, m->at, "reflectance", at_most_one(not_negative(m->ks)));
-        return "mirror";
-    }
-    if (shiny && (m->illum < 0 || m->illum >= 2))
-        return phong(m, kd, out);
-    made_rgb(out, m->at, "reflectance", at_most_one(kd));
-    return "diffuse";
-}
-
-/* Names of old files use backslashes. In the SceneFile's arena. */
-static char *slashed(Reader *r, const char *name)
-{
-    char *s = arena_string(&r->out->arena, name, strlen(name));
-    for (char *p = s; p && *p; p++)
-        if (*p == '\\')
-            *p = '/';
-    return s;
-}
-
-/* The picture as a texture; *t NULL after a warning that it cannot be had. otherwise: what happens
- * then. */
-static bool find_map(Reader *r, const MtlMaterial *mtl, const char *name, const char *otherwise,
-                     Texture **t)
-{
-    char *slashed_name = slashed(r, name);
-    char *path = slashed_name ? path_beside(mtl->at.file, slashed_name) : NULL;
-    bool there = path && file_exists(path);
-
-    *t = NULL;
-    mem_free(path);
-    if (!path)
-        return false;
-    if (!there)
-        return warn_at(mtl->at, "the picture %s cannot be found; %s", slashed_name, otherwise);
-    if (!texture_readable(slashed_name))
-        return warn_at(mtl->at, "pictures of the kind of %s cannot be read; %s", slashed_name,
-                       otherwise);
-    *t = texture_image(r, mtl->at, slashed_name);
-    return *t != NULL;
-}
-
-/* Multiplies the diffuse colour by the map. */
-static bool add_map(Reader *r, const MtlMaterial *mtl, Material *m)
-{
-    const OptDef *d = m->kind->info.options;
-    Texture *t;
-    int k = 0;
-
-    if (!find_map(r, mtl, mtl->map_kd, "Kd alone is used", &t))
-        return false;
-    while (d[k].key && strcmp(d[k].key, "reflectance"))
-        k++;
-    if (!t || !d[k].key || is_glass(mtl))
-        return true;
-    t->value = rgb_mul(t->value, m->value[k]);
-    m->texture[k] = t;
-    m->textured = true;
-    return true;
-}
-
-static bool add_opacity(Reader *r, const MtlMaterial *mtl, Material *m)
-{
-    Texture *t = NULL;
-
-    if (*mtl->map_d && !find_map(r, mtl, mtl->map_d, "d alone is used", &t))
-        return false;
-    if (is_glass(mtl) || (!t && !(mtl->d < 1.0f)))
-        return true;
-    if (t)
-        t->value = rgb_scale(t->value, clamp01(mtl->d));
-    m->opacity = t ? t : texture_constant(r, rgb_all(clamp01(mtl->d)));
-    return m->opacity != NULL;
-}
-
-static bool add_bump(Reader *r, const MtlMaterial *mtl, Material *m)
-{
-    Texture *t;
-
-    if (!find_map(r, mtl, mtl->map_bump, "there are no bumps", &t))
-        return false;
-    if (t)
-        t->value = rgb_scale(t->value, mtl->bump);
-    m->bump = t;
-    return true;
-}
-
-static bool make_material(Reader *r, const MtlMaterial *mtl, uint32_t *index)
-{
-    Rgb kd = mtl->has_kd ? not_negative(mtl->kd) : rgb_all(mtl->has_ks ? 0.0f : 0.5f);
-    bool mapped = *mtl->map_kd != 0;
-    const char *model;
-    Material *m;
-    Made made;
-
-    if (mapped && rgb_black(kd))
-        kd = rgb_all(1.0f);
-    model = model_of(mtl, kd, &made);
-    if (!material_make(r, mtl->at, model, &made.ps, mtl->name, index))
-        return false;
-    m = &r->scene->materials[*index];
-    return (!mapped || add_map(r, mtl, m)) && add_opacity(r, mtl, m) &&
-           (!*mtl->map_bump || add_bump(r, mtl, m));
-}
-
-/* The light of a group, or NULL in *area. In the SceneFile's arena. */
-static bool make_area(Reader *r, const MtlMaterial *m, const AreaLight **area)
-{
-    static const double yes = 1;
-    const LightKind *kind = NULL;
-    AreaLight *a;
-    Param p[2];
-    Made made;
-    Params ps = { p, 2 };
-
-    *area = NULL;
-    if (!m->has_ke || !(rgb_max(m->ke) > 0.0f))
-        return true;
-    for (size_t i = 0; lights[i]; i++)
-        if (!strcmp(lights[i]->info.name, "diffuse"))
-            kind = lights[i];
-    a = arena_take(&r->out->arena, 1, sizeof *a);
-    if (!a || !kind)
-        return a != NULL;
-    memset(&made, 0, sizeof made);
-    made_rgb(&made, m->at, "L", not_negative(m->ke));
-    p[0] = p[1] = made.p[0];
-    p[1].name = "twosided";
-    p[1].type = "bool";
-    p[1].kind = PARAM_BOOL;
-    p[1].n = 1;
-    p[1].numbers = &yes;
-    if (!params_keep(&r->out->arena, &ps, NULL, &a->params))
-        return false;
-    a->kind = kind;
-    a->at = m->at;
-    *area = a;
-    return true;
-}
 
 /* ---- groups ---- */
 
@@ -246,7 +28,7 @@ typedef struct {                /* an OBJ file on its way into the scene */
 static bool read_library(Job *j, size_t k)
 {
     Reader *r = j->r;
-    char *name = slashed(r, j->obj.mtllibs[k]), *path;
+    char *name = mtl_slashed(r, j->obj.mtllibs[k]), *path;
     FileBytes f;
     bool ok;
 
@@ -292,8 +74,8 @@ static bool look_of(Job *j, const char *name, Look *look)
         return warn_at(j->at, "no material is called '%.80s'; that of the scene file is used",
                        name);
     else if (m != NAME_NONE)
-        return make_material(r, j->list[m], &look->material) &&
-               (look->area || make_area(r, j->list[m], &look->area));
+        return mtl_material(r, j->list[m], &look->material) &&
+               (look->area || mtl_light(r, j->list[m], &look->area));
     return true;
 }
 

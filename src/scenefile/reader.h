@@ -63,14 +63,16 @@ typedef struct {
 } State;
 
 typedef enum { SAVED_ATTRIBUTE, SAVED_TRANSFORM, SAVED_OBJECT, SAVED_IMPORT } SavedKind;
-typedef struct { SavedKind kind; State state; Place at; } Saved;
+typedef struct { SavedKind kind; State state; Place at; uint64_t block; } Saved;
 
 /* Warnings that are given once a scene. */
 typedef enum {
     ONCE_MOTION = 1, ONCE_OBJECT_LIGHT = 2, ONCE_INSIDE_OUT = 4
 } Once;
 
-typedef struct { const Texture *texture; uint32_t cost; } NamedTexture;
+/* block: the innermost that was open, 0 for none. A name whose block has ended is free: version 3
+ * forgets it there. */
+typedef struct { const Texture *texture; uint32_t cost; uint64_t block; } NamedTexture;
 
 /* A material that was made of another one and a mask. */
 typedef struct { uint32_t of, material; const Texture *mask; } Masked;
@@ -93,6 +95,7 @@ typedef struct {
     State      state;
     Saved     *stack;           /* owned */
     size_t     nstack, cap_stack;
+    uint64_t   nblocks;         /* begun so far */
     bool       world;           /* after WorldBegin */
     bool       camera_seen;
     uint32_t   object;          /* geometry that shapes go to: 0, or that of ObjectBegin */
@@ -192,6 +195,7 @@ bool do_attribute(Reader *r, Place at);
 bool do_reverse_orientation(Reader *r, Place at);
 bool do_color_space(Reader *r, Place at);
 bool stack_push(Reader *r, SavedKind kind, Place at);
+bool stack_holds(const Reader *r, uint64_t block);      /* it is still open; 0 always is */
 bool stack_unwind(Reader *r, size_t depth);     /* warns of each Begin without its End */
 
 bool do_camera(Reader *r, Place at);            /* settings.c */
@@ -213,6 +217,7 @@ bool texture_find(Reader *r, Place at, const char *name, bool colour, const Text
 /* A picture as a texture, repeated and bilinear; grey 0.5 with a warning if pictures of that kind
  * cannot be read. */
 Texture *texture_image(Reader *r, Place at, const char *name);
+Texture *texture_data(Reader *r, Place at, const char *name);   /* numbers as stored: no colours */
 bool texture_readable(const char *name);        /* by its extension */
 
 bool do_material(Reader *r, Place at);          /* materials.c */
@@ -222,8 +227,24 @@ bool do_named_material(Reader *r, Place at);
 bool material_make(Reader *r, Place at, const char *type, const Params *ps, const char *name,
                    uint32_t *index);
 
+/* principled.c: a material by what it looks like, as many programs describe one. */
+typedef struct {
+    const Texture *color, *metallic, *roughness, *spectrans, *clearcoat;        /* none is NULL */
+    float eta, anisotropic, gloss;
+} Principled;
+bool principled_make(Reader *r, Place at, const Principled *p, const char *name, uint32_t *index);
+/* The material `disney` of version 3. */
+bool disney_make(Reader *r, Place at, const Params *ps, const char *name, uint32_t *index);
+
 const Texture *texture_constant(Reader *r, Rgb value);          /* materialuse.c; NULL: memory */
 const Texture *texture_product(Reader *r, const Texture *a, const Texture *b);
+/* A texture as what option `key` of the material's model is. */
+void material_put(Material *m, const char *key, const Texture *t);
+/* A colour, a number or a texture that no table has. *t NULL: not given. False: reported. */
+bool material_value(Reader *r, const Params *ps, const char *name, const Texture **t);
+/* Two materials side by side: `amount` of the first; of one if the amount says so everywhere. */
+bool material_mix(Reader *r, const Texture *amount, uint32_t first, uint32_t second,
+                  uint32_t *index);
 /* Puts the textures that were given for options in their place. */
 bool material_textures(Reader *r, Material *m, const Opts *o);
 /* What the language gives this type of material besides, and that the names of it are known. */
@@ -260,6 +281,11 @@ bool do_shape(Reader *r, Place at);             /* shapes.c */
 /* Adds a mesh given in the space of the current transform. Takes the mesh over in any case. */
 bool shape_add_mesh(Reader *r, Place at, Mesh *m, uint32_t material, const AreaLight *area);
 
+/* mtlmaterials.c: a material of an MTL file, and the light that it gives (NULL: none). */
+bool mtl_material(Reader *r, const MtlMaterial *m, uint32_t *index);
+bool mtl_light(Reader *r, const MtlMaterial *m, const AreaLight **area);
+/* Names of old files use backslashes. In the SceneFile's arena; NULL: memory. */
+char *mtl_slashed(Reader *r, const char *name);
 /* objfile.c: reads an OBJ file with its MTL files and adds it. */
 bool objfile_add(Reader *r, Place at, const char *path);
 

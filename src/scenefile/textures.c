@@ -262,9 +262,10 @@ static bool enter(Reader *r, Place at, char *name, bool colour, const Texture *t
                   uint32_t cost)
 {
     Names *names = colour ? &r->colour_textures : &r->float_textures;
-    NamedTexture entry = { t, cost };
+    NamedTexture entry = { t, cost, r->nstack ? r->stack[r->nstack - 1].block : 0 };
+    uint32_t before = names_find(names, name);
 
-    if (names_find(names, name) != NAME_NONE &&
+    if (before != NAME_NONE && stack_holds(r, r->textures[before].block) &&
         !warn_at(at, "the texture '%.80s' is defined again; shapes to come use this one", name))
         return false;
     return names_set(names, &r->out->arena, name, (uint32_t)r->ntextures) &&
