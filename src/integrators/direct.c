@@ -196,7 +196,8 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "uniform brdf light mis ris cut sir",
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
+      .choices = "uniform brdf light mis ris cut sir",
       .help = "directions all alike, by the surface, by lights, by both, or resampled; by point "
               "lights in clusters, or resampled" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
@@ -221,10 +222,10 @@ static const OptDef options[] = {
     { .key = "jitter", .type = OPT_BOOL, .num = 1,
       .help = "cut, sir: anywhere in the cell of a point light; false: at the point, biased" },
     { .key = "indirect", .type = OPT_CHOICE, .str = "no", .choices = "no yes only",
-      .help = "cut, sir: light of one bounce as well, by points on surfaces (biased); or it alone" },
+      .help = "cut, sir: light of one bounce as well, by points on surfaces (biased); or alone" },
     { .key = "brdf", .type = OPT_CHOICE, .str = "counts", .choices = "counts single none all",
-      .help = "cut: clusters by counted rays, by the surface at their middles, by light alone; all: "
-              "every point light is asked" },
+      .help = "cut: clusters by counted rays, by the surface at their middles, by light alone; "
+              "all: every point light is asked" },
     { .key = "rays", .type = OPT_INT, .num = 64, .lo = 1, .hi = 65536,
       .help = "cut: rays by the surface that are counted in clusters" },
     { .key = "clusters", .type = OPT_INT, .num = 500, .lo = 1, .hi = 4096,
@@ -240,8 +241,8 @@ static const OptDef options[] = {
       .help = "cut: rays' worth of evenness by which counts are spread; 0: as the source has it" },
     { .key = "boxes", .type = OPT_BOOL, .num = 0,
       .help = "cut: rays find what is beyond the scene by boxes, not by cells" },
-    { .key = "even", .type = OPT_BOOL, .num = 0,
-      .help = "cut: lights of a cluster all alike, not by their light" },
+    { .key = "within", .type = OPT_CHOICE, .str = "tree", .choices = "even light tree",
+      .help = "cut: lights of a cluster are chosen all alike, by their light, or down the tree" },
     { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
       .help = "samples of lights are points of them, wasted if hidden, or directions, in which "
               "whatever shines counts" },

@@ -61,7 +61,19 @@ static int index_of(const Opts *o, const char *key, const char *const *name)
     return i;
 }
 
-static bool open_points(Direct *it, const Opts *o, size_t most, bool even)
+/* False: warnings are fatal. */
+static bool warn_of_points(bool jitter, Indirect indirect)
+{
+    static const Place nowhere = { NULL, 0, 0 };
+
+    if (!jitter && !warn_at(nowhere, "jitter=false is biased: point lights stand for all light"))
+        return false;
+    return indirect == INDIRECT_NO ||
+           warn_at(nowhere, "indirect light is biased: it comes from points, alike on all sides");
+}
+
+static bool open_points(Direct *it, const Opts *o, size_t most,
+                        WithinCluster within)
 {
     static const char *const brdf[] = { "counts", "single", "none", "all" };
     static const char *const indirect[] = { "no", "yes", "only" };
@@ -77,15 +89,19 @@ static bool open_points(Direct *it, const Opts *o, size_t most, bool even)
     c->tentative = (int)opt_int(o, "tentative");
     c->safe = opt_float(o, "safe");
     c->prior = opt_float(o, "prior");
-    return pointlights_init(&c->lights, it->base.scene, (size_t)opt_int(o, "points"),
+    return warn_of_points(opt_bool(o, "jitter"), c->indirect) &&
+           pointlights_init(&c->lights, it->base.scene, (size_t)opt_int(o, "points"),
                             opt_bool(o, "jitter"), c->indirect) &&
            lighttree_init(&c->tree, &c->lights) &&
-           lightcut_init(&c->cut, &c->tree, &rule, opt_bool(o, "boxes"), even);
+           lightcut_init(&c->cut, &c->tree, &rule, opt_bool(o, "boxes"), within);
 }
 
 static bool open_cut(Direct *it, const Opts *o)
 {
-    if (open_points(it, o, (size_t)opt_int(o, "clusters"), opt_bool(o, "even")))
+    static const char *const within[] = { "even", "light", "tree" };
+
+    if (open_points(it, o, (size_t)opt_int(o, "clusters"),
+                    (WithinCluster)index_of(o, "within", within)))
         return true;
     close_cut(it);
     return false;
@@ -94,7 +110,7 @@ static bool open_cut(Direct *it, const Opts *o)
 /* Lights are drawn by their own values: any cut will do. */
 static bool open_sir(Direct *it, const Opts *o)
 {
-    if (open_points(it, o, 256, false))
+    if (open_points(it, o, 1, WITHIN_BY_LIGHT))
         return true;
     close_cut(it);
     return false;
@@ -215,6 +231,7 @@ static Rgb chosen_lights(const Cut *c, const Turn *u, Tracer *t)
     float weight[CUT_MOST];
     Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
     Rgb sum = rgb_all(0.0f);
+    LitPoint lit = { u->p, u->up };
     double before = 0.0;
     size_t k = 0;
 
@@ -227,7 +244,7 @@ static Rgb chosen_lights(const Cut *c, const Turn *u, Tracer *t)
     for (int i = 0; i < c->samples; i++) {
         double x = (i + (double)first.choice) / c->samples;
         float pmf;
-        size_t at = lightcut_choose(&c->cut, weight, x, &k, &before, &pmf);
+        size_t at = lightcut_choose(&c->cut, &lit, weight, x, &k, &before, &pmf);
         sum = rgb_add(sum, one_light(c, u, at, draw_number(&first, (uint32_t)i).point,
                                      pmf * (float)c->samples, t));
     }
@@ -252,7 +269,7 @@ static size_t try_light(const Cut *c, const Draw *first, int i, size_t *k, doubl
 {
     double x = (i + (double)first->choice) / c->tentative;
     float pmf;
-    size_t at = lightcut_choose(&c->cut, c->cut.share, x, k, before, &pmf);
+    size_t at = lightcut_choose(&c->cut, NULL, c->cut.share, x, k, before, &pmf);
 
     *own = pmf * (float)c->tentative;
     return at;

@@ -141,8 +141,9 @@ static bool arrays_of(LightCut *c)
         if (!(*array[k] = MEM_ARRAY(float, c->n)))
             return false;
     c->first = MEM_ARRAY(uint32_t, c->n + 1);
+    c->node = MEM_ARRAY(uint32_t, c->n);
     c->above = MEM_ARRAY(CutNode, 2 * c->n);
-    return c->first && c->above;
+    return c->first && c->node && c->above;
 }
 
 /* Appends the tree below a node down to the cut; the number of nodes so far. */
@@ -179,6 +180,7 @@ static void fill(LightCut *c, const uint32_t *node)
         c->size[k] = (float)n->size;
         c->lum[k] = (float)(n->light / n->size);
         c->share[k] = (float)(n->sum / t->node[0].sum);
+        c->node[k] = node[k];
         c->first[k] = n->first;
         c->first[k + 1] = n->first + n->count;
     }
@@ -203,13 +205,14 @@ static bool cells_of(LightCut *c)
     return true;
 }
 
-bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool boxes, bool even)
+bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool boxes,
+                   WithinCluster within)
 {
     uint32_t node[CUT_MOST];
 
     memset(c, 0, sizeof *c);
     c->tree = t;
-    c->even = even;
+    c->within = within;
     c->n = lighttree_cut(t, rule, node);
     if (!c->n)
         return true;
@@ -231,6 +234,7 @@ void lightcut_clear(LightCut *c)
         mem_free(array[k]);
     mem_free(c->first);
     mem_free(c->above);
+    mem_free(c->node);
     mem_free(c->of_cell);
     mem_free(c->four[0]);
     mem_free(c->four[1]);
@@ -357,15 +361,80 @@ void lightcut_normalize(const LightCut *c, float safe, float *weight)
         weight[k] = (scale > 0.0f ? scale * weight[k] : 0.0f) + safe * c->share[k];
 }
 
-float lightcut_pmf(const LightCut *c, const float *pmf_of, size_t k, size_t at)
+/* What a node would bring to the point, about; above 0 unless all of it is below the horizon. */
+static float brings(const LightNode *n, const LitPoint *lit)
+{
+    V3 to = v_sub(n->centre, lit->p);
+    float r = v_len(v_max(v_sub(n->box.hi, n->centre), v_sub(n->centre, n->box.lo)));
+    float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2), size = (float)n->size;
+    float turned = -v_dot(n->normal, to) * inv, cosine = 1.0f;
+
+    if (v_len2(lit->n) > 0.0f)
+        cosine = mean_cosine(v_dot(lit->n, to) * inv, r * inv + 1e-3f);
+    if (v_len2(n->normal) > 0.0f)
+        size = f_max(turned, TURNED_AWAY * size);
+    return (float)(n->light / n->size) * cosine * size / f_max(d2, r * r);
+}
+
+/* The chance of the first child. */
+static double first_child(const LightTree *t, uint32_t node, const LitPoint *lit)
+{
+    const LightNode *one = &t->node[node + 1], *other = &t->node[t->node[node].second];
+    double a = (double)brings(one, lit), b = (double)brings(other, lit);
+
+    return a + b > 0.0 && a + b < 1e300 ? a / (a + b) : one->sum / (one->sum + other->sum);
+}
+
+/* Down the tree from a node; *left is in [0, 1), of which *pmf is taken. */
+static size_t go_down(const LightTree *t, uint32_t node, const LitPoint *lit, double left,
+                      double *pmf)
+{
+    while (t->node[node].second) {
+        double one = first_child(t, node, lit);
+        if (left < one) {
+            left /= one;
+            *pmf *= one;
+            node++;
+        } else {
+            left = (left - one) / (1.0 - one);
+            *pmf *= 1.0 - one;
+            node = t->node[node].second;
+        }
+        left = d_min(left, 1.0 - 0x1p-53);
+    }
+    return t->node[node].first;
+}
+
+static double pmf_down(const LightTree *t, uint32_t node, const LitPoint *lit, size_t at)
+{
+    double pmf = 1.0;
+
+    while (t->node[node].second) {
+        double one = first_child(t, node, lit);
+        bool first = at < t->node[t->node[node].second].first;
+        pmf *= first ? one : 1.0 - one;
+        node = first ? node + 1 : t->node[node].second;
+    }
+    return pmf;
+}
+
+/* The probability within its cluster. */
+static double pmf_within(const LightCut *c, size_t k, size_t at)
 {
     const double *running = c->tree->running;
     uint32_t first = c->first[k], end = c->first[k + 1];
 
-    if (c->even)
-        return pmf_of[k] / (float)(end - first);
-    return (float)((double)pmf_of[k] * (running[at + 1] - running[at]) /
-                   (running[end] - running[first]));
+    if (c->within == WITHIN_EVEN)
+        return 1.0 / (end - first);
+    return (running[at + 1] - running[at]) / (running[end] - running[first]);
+}
+
+float lightcut_pmf(const LightCut *c, const LitPoint *lit, const float *pmf_of, size_t k, size_t at)
+{
+    bool down = c->within == WITHIN_BY_TREE && k >= c->nbeyond;
+
+    return (float)((double)pmf_of[k] * (down ? pmf_down(c->tree, c->node[k], lit, at)
+                                             : pmf_within(c, k, at)));
 }
 
 /* The place in the run where what is left falls, in [0, 1). */
@@ -375,7 +444,7 @@ static size_t place_in(const LightCut *c, size_t k, double left)
     size_t lo = c->first[k], hi = (size_t)c->first[k + 1] - 1;
     double x = running[lo] + left * (running[hi + 1] - running[lo]);
 
-    if (c->even)
+    if (c->within == WITHIN_EVEN)
         return lo + (size_t)d_min((double)(hi + 1 - lo) * left, (double)(hi - lo));
     while (lo < hi) {           /* the last whose running sum is at most x */
         size_t middle = lo + (hi - lo + 1) / 2;
@@ -387,16 +456,22 @@ static size_t place_in(const LightCut *c, size_t k, double left)
     return lo;
 }
 
-size_t lightcut_choose(const LightCut *c, const float *pmf_of, double x, size_t *k, double *before,
-                       float *pmf)
+size_t lightcut_choose(const LightCut *c, const LitPoint *lit, const float *pmf_of, double x,
+                       size_t *k, double *before, float *pmf)
 {
+    double left, within = 1.0;
     size_t at;
-    double left;
 
     while (*k + 1 < c->n && *before + (double)pmf_of[*k] <= x)
         *before += (double)pmf_of[(*k)++];
     left = pmf_of[*k] > 0.0f ? (x - *before) / (double)pmf_of[*k] : 0.0;
-    at = place_in(c, *k, d_min(d_max(left, 0.0), 1.0 - 0x1p-53));
-    *pmf = lightcut_pmf(c, pmf_of, *k, at);
+    left = d_min(d_max(left, 0.0), 1.0 - 0x1p-53);
+    if (c->within == WITHIN_BY_TREE && *k >= c->nbeyond)
+        at = go_down(c->tree, c->node[*k], lit, left, &within);
+    else {
+        at = place_in(c, *k, left);
+        within = pmf_within(c, *k, at);
+    }
+    *pmf = (float)((double)pmf_of[*k] * within);
     return c->tree->order[at];
 }

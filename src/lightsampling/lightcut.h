@@ -25,6 +25,11 @@
 /* Four boxes side by side. child: another four, or ~k for cluster k; no child: an empty box. */
 typedef struct { float lo[3][4], hi[3][4]; int32_t child[4]; } FourBoxes;
 
+/* How a light of a cluster is chosen: each alike, as in the source; by its value; or, within the
+ * scene, down the tree, at each node by what its children would bring: lights near the point are
+ * very unlike each other. */
+typedef enum { WITHIN_EVEN, WITHIN_BY_LIGHT, WITHIN_BY_TREE } WithinCluster;
+
 /* The tree above the cut, in preorder. */
 typedef struct { uint32_t second; int32_t cluster; } CutNode;   /* second 0: it is a cluster */
 
@@ -40,13 +45,15 @@ typedef struct {
     uint32_t *first;            /* owned: n + 1 runs of the tree's order */
     uint16_t *of_cell;          /* owned: of a cell of the sphere, or NO_CLUSTER */
     FourBoxes *four[2];         /* owned: over clusters within, over those beyond; or NULL */
-    bool  even;                 /* lights of a cluster alike, as in the source; else by value */
+    uint32_t *node;             /* owned: of the tree, by cluster */
+    WithinCluster within;
 } LightCut;
 
 #define NO_CLUSTER UINT16_MAX
 
 /* boxes: rays find clusters beyond by boxes, not by cells. False: memory, reported. */
-bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool boxes, bool even);
+bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool boxes,
+                   WithinCluster within);
 void lightcut_clear(LightCut *c);
 
 /* Adds `energy` to energy[k] of all clusters that the ray runs into, which are out of sight of
@@ -65,12 +72,16 @@ float lightcut_middle(const LightCut *c, size_t k, V3 p, V3 *wi);
  * importance at all. */
 void lightcut_normalize(const LightCut *c, float safe, float *weight);
 
+/* For whom lights are chosen: n is the normal on the side that they shine on, 0 for both. */
+typedef struct { V3 p, n; } LitPoint;
+
 /* The light at the place x of [0, 1), laid out in the tree's order. *k, *before: the cluster where
  * the search begins and the sum of those before it; 0 and 0 for the first, and then as they are
- * left for larger x. *pmf > 0 is exactly the probability. */
-size_t lightcut_choose(const LightCut *c, const float *pmf_of, double x, size_t *k, double *before,
-                       float *pmf);
-/* The probability of light number i of the tree's order, in cluster k. */
-float lightcut_pmf(const LightCut *c, const float *pmf_of, size_t k, size_t at);
+ * left for larger x. *pmf is exactly the probability if those of clusters add up to 1; 0: none. */
+size_t lightcut_choose(const LightCut *c, const LitPoint *lit, const float *pmf_of, double x,
+                       size_t *k, double *before, float *pmf);
+/* The probability of light number `at` of the tree's order, in cluster k. */
+float lightcut_pmf(const LightCut *c, const LitPoint *lit, const float *pmf_of, size_t k,
+                   size_t at);
 
 #endif
