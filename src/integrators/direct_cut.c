@@ -86,6 +86,8 @@ static bool open_points(Direct *it, const Opts *o, size_t most,
     c->indirect = (Indirect)index_of(o, "indirect", indirect);
     c->rays = (int)opt_int(o, "rays");
     c->samples = (int)opt_int(o, "samples");
+    if (c->rays == 0)
+        c->rays = c->samples > 32 ? 2 * c->samples : 64;
     c->tentative = (int)opt_int(o, "tentative");
     c->safe = opt_float(o, "safe");
     c->prior = opt_float(o, "prior");

@@ -134,7 +134,7 @@ void lightcut_count(const LightCut *c, V3 p, V3 d, float energy, float *energy_o
 
 static bool arrays_of(LightCut *c)
 {
-    float **array[] = { &c->x, &c->y, &c->z, &c->radius, &c->nx, &c->ny, &c->nz, &c->size,
+    float **array[] = { &c->x, &c->y, &c->z, &c->radius, &c->nx, &c->ny, &c->nz, &c->turned, &c->size,
                         &c->lum, &c->share };
 
     for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
@@ -167,18 +167,18 @@ static void fill(LightCut *c, const uint32_t *node)
 
     for (size_t k = 0; k < c->n; k++) {
         const LightNode *n = &t->node[node[k]];
-        V3 centre = n->centre, far;
-        far = v_max(v_sub(n->box.hi, centre), v_sub(centre, n->box.lo));
+        V3 centre = n->centre;
         c->nbeyond += n->beyond;
         c->x[k] = centre.x;
         c->y[k] = centre.y;
         c->z[k] = centre.z;
-        c->radius[k] = v_len(far);
+        c->radius[k] = n->radius;
         c->nx[k] = n->normal.x;
         c->ny[k] = n->normal.y;
         c->nz[k] = n->normal.z;
+        c->turned[k] = n->turned;
         c->size[k] = (float)n->size;
-        c->lum[k] = (float)(n->light / n->size);
+        c->lum[k] = n->lum;
         c->share[k] = (float)(n->sum / t->node[0].sum);
         c->node[k] = node[k];
         c->first[k] = n->first;
@@ -227,8 +227,8 @@ bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool bo
 
 void lightcut_clear(LightCut *c)
 {
-    float *array[] = { c->x, c->y, c->z, c->radius, c->nx, c->ny, c->nz, c->size, c->lum,
-                       c->share };
+    float *array[] = { c->x, c->y, c->z, c->radius, c->nx, c->ny, c->nz, c->turned, c->size,
+                       c->lum, c->share };
 
     for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
         mem_free(array[k]);
@@ -244,21 +244,35 @@ void lightcut_clear(LightCut *c)
 /* ---- importance ---- */
 
 #define MOST_SOLID (2.0f * PI_F)        /* errata 002.4 */
-#define TURNED_AWAY 0.1f        /* of a patch's area that is seen at least: its lights may differ */
+#define NEAR 4.0f               /* radii: within, 1 / d^2 changes by a factor of 2.8 */
 
-/* Mean of max(0, x) for x from c - s to c + s. */
+/* Mean of max(0, x) for x from c - s to c + s; of all directions, if s is the sine of more. */
 static inline float mean_cosine(float c, float s)
 {
-    float both = (c + s) * (c + s) / (4.0f * s);
+    float most = f_min(s, 1.001f), both = (c + most) * (c + most) / (4.0f * most);
     return c >= s ? c : c > -s ? both : 0.0f;
 }
 
-/* What the patch shows to a point in the direction -w from it, in units of its area. */
-static inline float shown(const LightCut *c, size_t k, V3 w)
+/* The area that lights show to a point in the direction -w from them, of the normal's length
+ * `turned` (-1: all of the size) and the component `along` w; s is the sine of the angle of their
+ * ball. Lights whose normals do not agree are guessed at: above 0 wherever one of them may be. */
+static inline float shown(float size, float turned, float along, float s)
 {
-    float turned = -(c->nx[k] * w.x + c->ny[k] * w.y + c->nz[k] * w.z), size = c->size[k];
-    bool sided = c->nx[k] != 0.0f || c->ny[k] != 0.0f || c->nz[k] != 0.0f;
-    return sided ? f_max(turned, TURNED_AWAY * size) : size;
+    float agreed = turned * mean_cosine(-along / turned, s);
+    float rest = f_max(size - turned, 0.0f) * 0.25f;
+    return turned > 0.0f ? agreed + rest : size;
+}
+
+/* The solid angle of cluster k from p, clamped; 1 / d in *inv and what it shows of its size. */
+static inline float solid_angle(const LightCut *c, size_t k, V3 to, float *inv, float *part)
+{
+    float d2 = f_max(v_len2(to), 1e-30f), area;
+    float along = c->nx[k] * to.x + c->ny[k] * to.y + c->nz[k] * to.z;
+
+    *inv = 1.0f / sqrtf(d2);
+    area = shown(c->size[k], c->turned[k], along * *inv, c->radius[k] * *inv + 1e-3f);
+    *part = area / c->size[k];
+    return f_min(area / d2, MOST_SOLID);
 }
 
 void lightcut_matt(const LightCut *c, V3 p, V3 n, float above, float below, float *weight)
@@ -270,10 +284,9 @@ void lightcut_matt(const LightCut *c, V3 p, V3 n, float above, float below, floa
     }
     for (size_t k = c->nbeyond; k < c->n; k++) {
         V3 to = { c->x[k] - p.x, c->y[k] - p.y, c->z[k] - p.z };
-        float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2);
+        float inv, part, solid = solid_angle(c, k, to, &inv, &part);
         float cosine = v_dot(n, to) * inv, s = c->radius[k] * inv + 1e-3f;
         float up = mean_cosine(cosine, s), down = mean_cosine(-cosine, s);
-        float solid = f_min(shown(c, k, v_scale(to, inv)) / d2, MOST_SOLID);
         weight[k] += (above * up + below * down) * INV_PI * c->lum[k] * solid;
     }
 }
@@ -285,8 +298,8 @@ static void solid_angles(const LightCut *c, V3 p, float *omega)
         omega[k] = c->size[k];
     for (size_t k = c->nbeyond; k < c->n; k++) {
         V3 to = { c->x[k] - p.x, c->y[k] - p.y, c->z[k] - p.z };
-        float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2);
-        omega[k] = f_min(shown(c, k, v_scale(to, inv)) / d2, MOST_SOLID);
+        float inv, part;
+        omega[k] = solid_angle(c, k, to, &inv, &part);
     }
 }
 
@@ -325,24 +338,24 @@ void lightcut_lobes(const LightCut *c, V3 p, float prior, float one, float *ener
         energy[k] *= c->lum[k];
     for (size_t k = c->nbeyond; k < c->n; k++) {
         V3 to = { c->x[k] - p.x, c->y[k] - p.y, c->z[k] - p.z };
-        float turned = c->nx[k] * to.x + c->ny[k] * to.y + c->nz[k] * to.z;
-        energy[k] *= turned > 0.0f ? TURNED_AWAY * c->lum[k] : c->lum[k];
+        float inv, part;
+        solid_angle(c, k, to, &inv, &part);
+        energy[k] *= c->lum[k] * f_min(1.0f, 8.0f * part);      /* nothing, of what faces away */
     }
 }
 
 float lightcut_middle(const LightCut *c, size_t k, V3 p, V3 *wi)
 {
     V3 at = { c->x[k], c->y[k], c->z[k] };
-    float d2;
+    float inv, part;
 
     if (k < c->nbeyond) {
         *wi = at;
         return c->size[k];
     }
     at = v_sub(at, p);
-    d2 = f_max(v_len2(at), 1e-30f);
     *wi = v_unit(at);
-    return f_min(shown(c, k, *wi) / d2, MOST_SOLID);
+    return solid_angle(c, k, at, &inv, &part);
 }
 
 /* ---- the choice ---- */
@@ -361,19 +374,48 @@ void lightcut_normalize(const LightCut *c, float safe, float *weight)
         weight[k] = (scale > 0.0f ? scale * weight[k] : 0.0f) + safe * c->share[k];
 }
 
+/* ---- within a cluster ---- */
+
+/* The share of a light in a run of the tree's order. */
+static double pmf_in(const LightCut *c, size_t first, size_t count, size_t at)
+{
+    const double *running = c->tree->running;
+
+    if (c->within == WITHIN_EVEN)
+        return 1.0 / (double)count;
+    return (running[at + 1] - running[at]) / (running[first + count] - running[first]);
+}
+
+/* The light where what is left, in [0, 1), falls. */
+static size_t place_in(const LightCut *c, size_t first, size_t count, double left)
+{
+    const double *running = c->tree->running;
+    size_t lo = first, hi = first + count - 1;
+    double x = running[lo] + left * (running[hi + 1] - running[lo]);
+
+    if (c->within == WITHIN_EVEN)
+        return lo + (size_t)d_min((double)count * left, (double)(count - 1));
+    while (lo < hi) {           /* the last whose running sum is at most x */
+        size_t middle = lo + (hi - lo + 1) / 2;
+        if (running[middle] <= x)
+            lo = middle;
+        else
+            hi = middle - 1;
+    }
+    return lo;
+}
+
 /* What a node would bring to the point, about; above 0 unless all of it is below the horizon. */
 static float brings(const LightNode *n, const LitPoint *lit)
 {
     V3 to = v_sub(n->centre, lit->p);
-    float r = v_len(v_max(v_sub(n->box.hi, n->centre), v_sub(n->centre, n->box.lo)));
-    float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2), size = (float)n->size;
-    float turned = -v_dot(n->normal, to) * inv, cosine = 1.0f;
+    float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2), r = n->radius;
+    float s = r * inv + 1e-3f, cosine = 1.0f;
 
     if (v_len2(lit->n) > 0.0f)
-        cosine = mean_cosine(v_dot(lit->n, to) * inv, r * inv + 1e-3f);
-    if (v_len2(n->normal) > 0.0f)
-        size = f_max(turned, TURNED_AWAY * size);
-    return (float)(n->light / n->size) * cosine * size / f_max(d2, r * r);
+        cosine = mean_cosine(v_dot(lit->n, to) * inv, s);
+    return n->lum * cosine * shown((float)n->size, n->turned, v_dot(n->normal, to) * inv, s) /
+           f_max(d2, r * r);
 }
 
 /* The chance of the first child. */
@@ -385,93 +427,79 @@ static double first_child(const LightTree *t, uint32_t node, const LitPoint *lit
     return a + b > 0.0 && a + b < 1e300 ? a / (a + b) : one->sum / (one->sum + other->sum);
 }
 
-/* Down the tree from a node; *left is in [0, 1), of which *pmf is taken. */
-static size_t go_down(const LightTree *t, uint32_t node, const LitPoint *lit, double left,
-                      double *pmf)
+/* So near that lights of the node differ by more than their light: from farther away a node is no
+ * longer divided. */
+static bool is_near(const LightNode *n, const LitPoint *lit)
 {
-    while (t->node[node].second) {
+    return n->second && v_len2(v_sub(n->centre, lit->p)) < NEAR * NEAR * n->radius * n->radius;
+}
+
+/* Where the way down to light `at` ends, and the chance of taking it. */
+static uint32_t way_down(const LightTree *t, uint32_t node, const LitPoint *lit, size_t at,
+                         double *pmf)
+{
+    while (is_near(&t->node[node], lit)) {
         double one = first_child(t, node, lit);
-        if (left < one) {
-            left /= one;
+        bool first = at < t->node[t->node[node].second].first;
+        *pmf *= first ? one : 1.0 - one;
+        node = first ? node + 1 : t->node[node].second;
+    }
+    return node;
+}
+
+/* The same by chance: *left is in [0, 1), and what is left of it. */
+static uint32_t go_down(const LightTree *t, uint32_t node, const LitPoint *lit, double *left,
+                        double *pmf)
+{
+    while (is_near(&t->node[node], lit)) {
+        double one = first_child(t, node, lit);
+        if (*left < one) {
+            *left /= one;
             *pmf *= one;
             node++;
         } else {
-            left = (left - one) / (1.0 - one);
+            *left = (*left - one) / (1.0 - one);
             *pmf *= 1.0 - one;
             node = t->node[node].second;
         }
-        left = d_min(left, 1.0 - 0x1p-53);
+        *left = d_min(*left, 1.0 - 0x1p-53);
     }
-    return t->node[node].first;
+    return node;
 }
 
-static double pmf_down(const LightTree *t, uint32_t node, const LitPoint *lit, size_t at)
+static bool goes_down(const LightCut *c, size_t k)
 {
-    double pmf = 1.0;
-
-    while (t->node[node].second) {
-        double one = first_child(t, node, lit);
-        bool first = at < t->node[t->node[node].second].first;
-        pmf *= first ? one : 1.0 - one;
-        node = first ? node + 1 : t->node[node].second;
-    }
-    return pmf;
-}
-
-/* The probability within its cluster. */
-static double pmf_within(const LightCut *c, size_t k, size_t at)
-{
-    const double *running = c->tree->running;
-    uint32_t first = c->first[k], end = c->first[k + 1];
-
-    if (c->within == WITHIN_EVEN)
-        return 1.0 / (end - first);
-    return (running[at + 1] - running[at]) / (running[end] - running[first]);
+    return c->within == WITHIN_BY_TREE && k >= c->nbeyond;
 }
 
 float lightcut_pmf(const LightCut *c, const LitPoint *lit, const float *pmf_of, size_t k, size_t at)
 {
-    bool down = c->within == WITHIN_BY_TREE && k >= c->nbeyond;
+    uint32_t node = c->node[k];
+    double pmf = (double)pmf_of[k];
 
-    return (float)((double)pmf_of[k] * (down ? pmf_down(c->tree, c->node[k], lit, at)
-                                             : pmf_within(c, k, at)));
-}
-
-/* The place in the run where what is left falls, in [0, 1). */
-static size_t place_in(const LightCut *c, size_t k, double left)
-{
-    const double *running = c->tree->running;
-    size_t lo = c->first[k], hi = (size_t)c->first[k + 1] - 1;
-    double x = running[lo] + left * (running[hi + 1] - running[lo]);
-
-    if (c->within == WITHIN_EVEN)
-        return lo + (size_t)d_min((double)(hi + 1 - lo) * left, (double)(hi - lo));
-    while (lo < hi) {           /* the last whose running sum is at most x */
-        size_t middle = lo + (hi - lo + 1) / 2;
-        if (running[middle] <= x)
-            lo = middle;
-        else
-            hi = middle - 1;
-    }
-    return lo;
+    if (goes_down(c, k))
+        node = way_down(c->tree, node, lit, at, &pmf);
+    return (float)(pmf * pmf_in(c, c->tree->node[node].first, c->tree->node[node].count, at));
 }
 
 size_t lightcut_choose(const LightCut *c, const LitPoint *lit, const float *pmf_of, double x,
                        size_t *k, double *before, float *pmf)
 {
-    double left, within = 1.0;
+    const LightNode *n;
+    double left, chance;
+    uint32_t node;
     size_t at;
 
     while (*k + 1 < c->n && *before + (double)pmf_of[*k] <= x)
         *before += (double)pmf_of[(*k)++];
-    left = pmf_of[*k] > 0.0f ? (x - *before) / (double)pmf_of[*k] : 0.0;
+    chance = (double)pmf_of[*k];
+    left = chance > 0.0 ? (x - *before) / chance : 0.0;
     left = d_min(d_max(left, 0.0), 1.0 - 0x1p-53);
-    if (c->within == WITHIN_BY_TREE && *k >= c->nbeyond)
-        at = go_down(c->tree, c->node[*k], lit, left, &within);
-    else {
-        at = place_in(c, *k, left);
-        within = pmf_within(c, *k, at);
-    }
-    *pmf = (float)((double)pmf_of[*k] * within);
+    node = c->node[*k];
+    if (goes_down(c, *k))
+        node = go_down(c->tree, node, lit, &left, &chance);
+    n = &c->tree->node[node];
+    at = place_in(c, n->first, n->count, left);
+    *pmf = (float)(chance * pmf_in(c, n->first, n->count, at));
     return c->tree->order[at];
 }

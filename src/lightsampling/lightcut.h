@@ -26,8 +26,8 @@
 typedef struct { float lo[3][4], hi[3][4]; int32_t child[4]; } FourBoxes;
 
 /* How a light of a cluster is chosen: each alike, as in the source; by its value; or, within the
- * scene, down the tree, at each node by what its children would bring: lights near the point are
- * very unlike each other. */
+ * scene, down the tree as long as nodes are near, at each by what its children would bring, and
+ * then by value: lights near the point are very unlike each other. */
 typedef enum { WITHIN_EVEN, WITHIN_BY_LIGHT, WITHIN_BY_TREE } WithinCluster;
 
 /* The tree above the cut, in preorder. */
@@ -37,9 +37,9 @@ typedef struct {
     const LightTree *tree;      /* borrowed */
     CutNode *above;             /* owned: 2 n - 1 */
     size_t n, nbeyond;          /* clusters; the first of them are beyond the scene */
-    /* Owned, by cluster. In the scene: place, ball, normal times area, area. Beyond: direction, in
+    /* Owned, by cluster. In the scene: place, ball, normal times area, its length, area. Beyond: direction, in
      * units of the sphere's radius, solid angle. */
-    float *x, *y, *z, *radius, *nx, *ny, *nz, *size;
+    float *x, *y, *z, *radius, *nx, *ny, *nz, *turned, *size;
     float *lum;                 /* mean over the size */
     float *share;               /* of all light: the pmf by light alone */
     uint32_t *first;            /* owned: n + 1 runs of the tree's order */

@@ -158,9 +158,15 @@ static void fill(LightTree *t)
         *node = second ? joined(node + 1, &t->node[second]) : node_of(t, node->first);
         node->second = second;
     }
-    for (size_t i = 0; i < t->nnodes; i++)
-        if (!t->node[i].within)
-            t->node[i].centre = v_unit(t->node[i].centre);
+    for (size_t i = 0; i < t->nnodes; i++) {
+        LightNode *node = &t->node[i];
+        if (!node->within)
+            node->centre = v_unit(node->centre);
+        node->radius = v_len(v_max(v_sub(node->box.hi, node->centre),
+                                   v_sub(node->centre, node->box.lo)));
+        node->lum = (float)(node->light / node->size);
+        node->turned = v_len2(node->normal) > 0.0f ? v_len(node->normal) : -1.0f;
+    }
 }
 
 bool lighttree_init(LightTree *t, const PointLights *points)

@@ -16,14 +16,17 @@
 #include "lightsampling/pointlights.h"
 
 typedef struct {
-    Box    box;                 /* of the discs that lights stand for; beyond: of directions */
     V3     centre;              /* mean place by value; beyond: mean direction, unit */
+    float  radius;              /* of the ball about the centre that holds the box */
     V3     normal;              /* sum of size times normal: 0 for lights with two sides */
+    float  turned;              /* its length; -1 for lights with two sides, or beyond */
+    float  lum;                 /* luminance, the mean over the size */
+    uint32_t first, count;      /* lights in the tree's order */
+    uint32_t second;            /* the other child; 0: this is a leaf */
+    Box    box;                 /* of the discs that lights stand for; beyond: of directions */
     double sum, squares;        /* of values; of their deviations from the mean */
     double size;                /* area, or solid angle */
     double light;               /* luminance times size */
-    uint32_t first, count;      /* lights in the tree's order */
-    uint32_t second;            /* the other child; 0: this is a leaf */
     bool   beyond, within;      /* what lights there are */
 } LightNode;
 
