@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { W = 64, H = 48, RUNS = 3 };
+enum { W = 96, H = 72, RUNS = 3 };
 
 typedef struct {
     const char *name, *scene;
@@ -35,7 +35,8 @@ static const CutScene cut_scenes[] = {
       "20 K faces, cut 267, N 240 / 128 / 128 in 27 s" },
     { "Plate", "scenes/projected-plate.pbrt", true, 128, 0,
       "1 K faces, cut 492, N 260 / 128 / 128 in 28 / 27 / 29 s" },
-    { "Bedroom", "scenes/bedroom.pbrt", true, 256, 0, "95 K faces, cut 986, N - / - / 256 in 69 s" },
+    { "Bedroom", "scenes/bedroom.pbrt", true, 256, 0,
+      "95 K faces, cut 986, N - / - / 256 in 69 s" },
 };
 
 /* options: of direct, with %d for the samples of each; NULL: by the surface alone. */

@@ -256,6 +256,8 @@ static void weigh(const LightCut *c, const Bsdf *b, const LitPoint *at, float *w
             lightcut_count(c, at->p, frame_out(&f, s.wi), rgb_lum(s.weight) / 64, weight);
     }
     lightcut_lobes(c, at->p, 1, 1.0f / 64, weight);
+    for (size_t k = 0; k < c->n; k++)
+        EXPECT(weight[k] >= 0, "cluster %lu has the weight %g", (unsigned long)k, (double)weight[k]);
     lightcut_matt(c, at->p, at->n, 0.3f, 0.1f, weight);
     lightcut_normalize(c, 0.1f, weight);
 }
@@ -306,12 +308,14 @@ static void chance(void)
     points_of(&p, &l, 2000, true, INDIRECT_YES);
     REQUIRE(lighttree_init(&t, &p), "memory");
     for (int i = 0; i < 18; i++) {
-        const CutRule rule = { 150, 0, 0.25f };
+        const CutRule rule = { i % 4 == 3 ? 1800 : 150, 0, 0.25f };
         LitPoint at = { { 0.3f, -0.5f, 0.4f }, normals[i % 3] };
         uint32_t m = lab_material(&l, surfaces[i / 3].kind, surfaces[i / 3].options);
         const Material *mat = &l.scene->materials[m];
         LightCut c;
         BsdfRoom room;
+        if (i % 4 == 3)
+            at.p.z = -3;                /* lights of the floor all face away */
         bsdf_make(&room.b[0], mat->kind, mat->value, mat->data);
         REQUIRE(lightcut_init(&c, &t, &rule, i % 2, (WithinCluster)(i % 5 % 3)), "memory");
         weigh(&c, &room.b[0], &at, weight);

@@ -134,8 +134,8 @@ void lightcut_count(const LightCut *c, V3 p, V3 d, float energy, float *energy_o
 
 static bool arrays_of(LightCut *c)
 {
-    float **array[] = { &c->x, &c->y, &c->z, &c->radius, &c->nx, &c->ny, &c->nz, &c->turned, &c->size,
-                        &c->lum, &c->share };
+    float **array[] = { &c->x, &c->y, &c->z, &c->radius, &c->nx, &c->ny, &c->nz, &c->turned,
+                        &c->size, &c->lum, &c->share };
 
     for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
         if (!(*array[k] = MEM_ARRAY(float, c->n)))
@@ -322,7 +322,7 @@ static void spread_out(const LightCut *c, V3 p, float prior, float *energy)
             energy[node->cluster] = has[i];
             continue;
         }
-        even = prior * solid[i + 1] / solid[i];
+        even = prior * (solid[i] > 0.0f ? solid[i + 1] / solid[i] : 0.5f);
         all = has[i + 1] + has[node->second] + prior;
         one = has[i] * ((has[i + 1] + even) / all);
         has[node->second] = has[i] - one;

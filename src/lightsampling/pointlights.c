@@ -309,7 +309,7 @@ static bool lamp_seen(const PointLights *it, const PointLight *p, V3 from, V2 u,
     if (!way_to(from, p->two_sided, s, &cosine, &d2))
         return false;
     at = surface_at(s->p, s->err, s->n, uv);
-    s->L = rgb_scale(l->kind->radiance(l, s->wi, &at), p->size * cosine / (d2 + disc));
+    s->L = rgb_scale(l->kind->radiance(l, s->wi, &at), p->size * cosine / f_max(d2, disc));
     return !rgb_black(s->L);
 }
 
@@ -328,6 +328,6 @@ bool pointlight_seen(const PointLights *it, size_t i, V3 from, V2 u, LightSample
         return lamp_seen(it, p, from, u, s);
     if (!way_to(from, false, s, &cosine, &d2))
         return false;
-    s->L = rgb_scale(p->L, p->size * cosine / (d2 + p->size * INV_PI));
+    s->L = rgb_scale(p->L, p->size * cosine / f_max(d2, p->size * INV_PI));
     return true;
 }

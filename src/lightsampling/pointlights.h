@@ -53,8 +53,9 @@ void pointlights_clear(PointLights *it);
 
 /* Number i as seen from a point: s->L is the irradiance on a surface that faces it, times what was
  * chosen of its cell by u, so that the sum over all i, of L f cos, is the light of all. Where the
- * point stands still it counts as a disc of its size: A cos / (d^2 + A / pi), which is exact on the
- * disc's axis for all distances and bounded. pdf_w is 1. False: it does not shine here. */
+ * point stands still it is taken to be no nearer than the radius of a disc of its size: A cos /
+ * max(d^2, A / pi), so that no point brings more than a surface all round would. pdf_w is 1. False:
+ * it does not shine here. */
 bool pointlight_seen(const PointLights *it, size_t i, V3 from, V2 u, LightSample *s);
 
 /* The cell of a direction: below side^2. */
