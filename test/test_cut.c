@@ -257,7 +257,8 @@ static void weigh(const LightCut *c, const Bsdf *b, const LitPoint *at, float *w
     }
     lightcut_lobes(c, at->p, 1, 1.0f / 64, weight);
     for (size_t k = 0; k < c->n; k++)
-        EXPECT(weight[k] >= 0, "cluster %lu has the weight %g", (unsigned long)k, (double)weight[k]);
+        EXPECT(weight[k] >= 0, "cluster %lu has the weight %g", (unsigned long)k,
+               (double)weight[k]);
     lightcut_matt(c, at->p, at->n, 0.3f, 0.1f, weight);
     lightcut_normalize(c, 0.1f, weight);
 }
