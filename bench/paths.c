@@ -28,7 +28,7 @@ bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, Ren
     if (ok) {
         ok = !im || image_init(im, film.w, film.h);
         if (ok && im)
-            film_picture(&film, 0, im);
+            film_picture(&film, s.naovs ? 1 : 0, im);
         film_clear(&film);
     }
     scenefile_clear(&f);

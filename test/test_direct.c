@@ -315,7 +315,10 @@ static void expect_black(Lab *l, const char *what)
         "direct:strategy=light,lights=all", "direct:strategy=light,lights=ward",
         "direct:strategy=light,lights=shirley", "direct:strategy=mis,occlusion=directions",
         "direct:strategy=mis,lightsampler=contribution", "path:strategy=ris",
-        "path:lightsampler=contribution", "direct:strategy=light,lightsampler=uniform"
+        "path:lightsampler=contribution", "direct:strategy=light,lightsampler=uniform",
+        "direct:strategy=cut,points=100", "direct:strategy=cut,jitter=false,points=1,indirect=yes",
+        "direct:strategy=cut,brdf=all,points=9", "direct:strategy=sir,points=100",
+        "direct:strategy=cut,brdf=single,points=50,indirect=only"
     };
     Ray r = ray_towards(v3(-0.9f, -0.7f, 0.5f), v3(0.05f, 0.02f, 0));
     Gauge g = { ray_fixed, NULL, 64, 41, 0 };

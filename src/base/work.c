@@ -36,13 +36,24 @@ static void *worker_main(void *arg)
     return NULL;
 }
 
+/* Methods keep what they need for one sample on the stack, up to a few hundred kB: more than some
+ * C libraries give a thread that asks for nothing. */
+#define STACK_BYTES ((size_t)2 << 20)
+
 static bool start(Worker *w)
 {
-    bool fail;
+    pthread_attr_t attr;
+    bool fail, started = false;
+
     pthread_mutex_lock(&fault.lock);
     fail = fault.fail_at && ++fault.calls == fault.fail_at;
     pthread_mutex_unlock(&fault.lock);
-    return !fail && pthread_create(&w->thread, NULL, worker_main, w) == 0;
+    if (fail || pthread_attr_init(&attr))
+        return false;
+    started = !pthread_attr_setstacksize(&attr, STACK_BYTES) &&
+              !pthread_create(&w->thread, &attr, worker_main, w);
+    pthread_attr_destroy(&attr);
+    return started;
 }
 
 uint64_t work_run(const Work *work, int threads)

@@ -19,7 +19,8 @@
 #define STRATEGIES_OF_DIRECT(X)                                                \
     X(uniform)                  /* directions all alike */                     \
     X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
-    X(ris)                      /* many tentatively, few of them looked at */
+    X(ris)                      /* many tentatively, few of them looked at */  \
+    X(cut) X(sir)               /* by point lights that stand for all light */
 #define DECLARE(name) extern const DirectStrategy direct_##name;
 #define ENTRY(name) &direct_##name,
 STRATEGIES_OF_DIRECT(DECLARE)
@@ -195,8 +196,10 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "uniform brdf light mis ris",
-      .help = "directions all alike, by the surface, by lights, by both, or resampled" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
+      .choices = "uniform brdf light mis ris cut sir",
+      .help = "directions all alike, by the surface, by lights, by both, or resampled; by point "
+              "lights in clusters, or resampled" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "samples of lights at each point (light, mis)" },
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
@@ -208,12 +211,39 @@ static const OptDef options[] = {
               "rest (biased); the brightest and one of the rest" },
     { .key = "tolerance", .type = OPT_FLOAT, .num = 0.1, .lo = 0, .hi = 1,
       .help = "part of the light that ward and shirley leave to the rest" },
-    { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = TENTATIVE_MOST,
-      .help = "ris: samples without shadow rays" },
-    { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
-      .help = "ris: how many of them are kept" },
+    { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = SIR_MOST,
+      .help = "ris, sir: samples without shadow rays; of ris at most 256" },
+    { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = SIR_MOST,
+      .help = "ris, sir: how many of them are kept; cut: point lights chosen" },
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "ris: part of the tentative samples that go by lights, the others by the surface" },
+    { .key = "points", .type = OPT_INT, .num = 32768, .lo = 1, .hi = 1 << 24,
+      .help = "cut, sir: point lights that stand for all light but delta lights" },
+    { .key = "jitter", .type = OPT_BOOL, .num = 1,
+      .help = "cut, sir: anywhere in the cell of a point light; false: at the point, biased" },
+    { .key = "indirect", .type = OPT_CHOICE, .str = "no", .choices = "no yes only",
+      .help = "cut, sir: light of one bounce as well, by points on surfaces (biased); or alone" },
+    { .key = "brdf", .type = OPT_CHOICE, .str = "counts", .choices = "counts single none all",
+      .help = "cut: clusters by counted rays, by the surface at their middles, by light alone; "
+              "all: every point light is asked" },
+    { .key = "rays", .type = OPT_INT, .num = 0, .lo = 0, .hi = 65536,
+      .help = "cut: rays by the surface that are counted in clusters; 0: 64, or twice as many as "
+              "there are samples" },
+    { .key = "clusters", .type = OPT_INT, .num = 800, .lo = 1, .hi = 4096,
+      .help = "cut: most clusters" },
+    { .key = "sigma", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
+      .help = "cut: clusters are divided until this is the root of their summed squares; 0: until "
+              "there are as many as may be" },
+    { .key = "extent", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,
+      .help = "cut: weight of clusters' extent when they are divided; 0: by light alone" },
+    { .key = "safe", .type = OPT_FLOAT, .num = 0.1, .lo = 0, .hi = 1,
+      .help = "cut: share of choices that go by light alone; 0 loses light, as the source does" },
+    { .key = "prior", .type = OPT_FLOAT, .num = 2, .lo = 0, .hi = 1e6,
+      .help = "cut: rays' worth of evenness by which counts are spread; 0: as the source has it" },
+    { .key = "boxes", .type = OPT_BOOL, .num = 0,
+      .help = "cut: rays find what is beyond the scene by boxes, not by cells" },
+    { .key = "within", .type = OPT_CHOICE, .str = "tree", .choices = "even light tree",
+      .help = "cut: lights of a cluster are chosen all alike, by their light, or down the tree" },
     { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
       .help = "samples of lights are points of them, wasted if hidden, or directions, in which "
               "whatever shines counts" },

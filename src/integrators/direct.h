@@ -20,6 +20,8 @@ typedef struct {
 
 extern const DirectStrategy *const direct_strategies[];         /* ends with NULL */
 
+enum { SIR_MOST = 4096 };        /* tentative samples of sir */
+
 typedef enum { LIGHTS_CHOSEN, LIGHTS_ALL, LIGHTS_WARD, LIGHTS_SHIRLEY } WhichLights;
 
 struct Direct {

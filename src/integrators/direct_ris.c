@@ -4,6 +4,8 @@
 
 static bool open_ris(Direct *it, const Opts *o)
 {
+    if (opt_int(o, "tentative") > TENTATIVE_MOST)
+        return err_usage("direct: strategy=ris has at most %d tentative samples", TENTATIVE_MOST);
     it->resampling = resampling_of((int)opt_int(o, "tentative"), (int)opt_int(o, "samples"),
                                    opt_float(o, "lightshare"));
     return true;

@@ -328,6 +328,20 @@ bool candidate_by_light(const Lighting *it, const Turn *u, const Draw *draw, flo
     return l && candidate_of_light(it, u, l, pmf, draw->point, n_light, n_scatter, t, c);
 }
 
+bool candidate_seen(const Turn *u, const LightSample *ls, float own, Candidate *c)
+{
+    Rgb f_cos;
+
+    if (!(own > 0.0f) || rgb_black(ls->L) || !turn_f_cos(u, ls->wi, &f_cos, NULL))
+        return false;
+    c->c = rgb_scale(rgb_mul(f_cos, ls->L), 1.0f / own);
+    c->ray = ray_to_light(u, ls);
+    c->medium = turn_medium(u, ls->wi);
+    c->known = false;
+    c->how = STRATEGY_EXPLICIT;
+    return true;
+}
+
 /* ---- by scattering ---- */
 
 bool candidate_by_scattering(const Lighting *it, const Turn *u, const Draw *draw, float n_light,

@@ -95,6 +95,9 @@ bool candidate_of_light(const Lighting *it, const Turn *u, const Light *l, float
 bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own, float n_light,
                      Tracer *t, Candidate *c);
 
+/* The light of a sample, whose L is over its density already, taken own times. */
+bool candidate_seen(const Turn *u, const LightSample *ls, float own, Candidate *c);
+
 /* Casts the ray, unless that is done, and tallies. */
 Rgb candidate_light(Candidate *c, const Turn *u, Tracer *t);
 

@@ -1,0 +1,342 @@
+/* direct_cut.c -- direct light by point lights: bidirectional importance sampling from illumination
+ * cuts, and what it is compared with.
+ *
+ * Source      [Wang09]; errata 002.1 to 002.5. All light is made into point lights once
+ *             (lightsampling/pointlights.h), and one cut through their tree serves the picture
+ *             (lighttree.h). For each turn the clusters of the cut get probabilities
+ *             (lightcut.h), by `brdf`:
+ *                 counts      rays by the BSDF counted in clusters, and a matt term: the source's
+ *                 single      the BSDF at the middle of each cluster [Wang09 3.3]
+ *                 none        light alone [Wang09 3.2]
+ *                 all         no choice: all point lights are asked. The source's reference
+ *             and `samples` lights are chosen, by equal steps through the pmf.
+ * Sir         [Wang09 5, fig. 8]: `tentative` lights by their light alone, judged without rays, of
+ *             which `samples` are kept and looked at.
+ * Truth       jitter=true: a light is chosen, then a place in its cell. The estimate is that of all
+ *             light of lamps and sky, without bias: no cell has probability 0. jitter=false, as in
+ *             the source: the sum over the points, without bias; what the points themselves are
+ *             off by, bench/cuts.c measures. Indirect light has no cells: always the sum.
+ * Departs     Lobes' rays that find no cluster are not all trusted: a tenth of their energy counts
+ *             as matt, and `safe` of all choices go by light alone (errata 002.1).
+ * Delta       Point, spot and distant lights are asked one by one, each by a ray. */
+#include "integrators/direct.h"
+
+#include "base/mem.h"
+#include "lightsampling/lightcut.h"
+
+typedef enum { BRDF_COUNTS, BRDF_SINGLE, BRDF_NONE, BRDF_ALL } CutBrdf;
+
+typedef struct {
+    PointLights lights;         /* owned, all of them */
+    LightTree tree;
+    LightCut cut;
+    CutBrdf brdf;
+    Indirect indirect;
+    int rays, samples, tentative;
+    float safe, prior;
+} Cut;
+
+static const float SPREAD = 0.03f;       /* of lobes, as if they were matt */
+
+/* ---- opening ---- */
+
+static void close_cut(Direct *it)
+{
+    Cut *c = it->own;
+
+    if (!c)
+        return;
+    lightcut_clear(&c->cut);
+    lighttree_clear(&c->tree);
+    pointlights_clear(&c->lights);
+    mem_free(c);
+    it->own = NULL;
+}
+
+static int index_of(const Opts *o, const char *key, const char *const *name)
+{
+    int i = 0;
+    while (strcmp(name[i], opt_string(o, key)))
+        i++;
+    return i;
+}
+
+/* False: warnings are fatal. */
+static bool warn_of_points(bool jitter, Indirect indirect)
+{
+    static const Place nowhere = { NULL, 0, 0 };
+
+    if (!jitter && !warn_at(nowhere, "jitter=false is biased: point lights stand for all light"))
+        return false;
+    return indirect == INDIRECT_NO ||
+           warn_at(nowhere, "indirect light is biased: it comes from points, alike on all sides");
+}
+
+static bool open_points(Direct *it, const Opts *o, size_t most,
+                        WithinCluster within)
+{
+    static const char *const brdf[] = { "counts", "single", "none", "all" };
+    static const char *const indirect[] = { "no", "yes", "only" };
+    CutRule rule = { most, opt_float(o, "sigma"), opt_float(o, "extent") };
+    Cut *c = it->own = MEM_NEW(Cut);
+
+    if (!c)
+        return false;
+    c->brdf = (CutBrdf)index_of(o, "brdf", brdf);
+    c->indirect = (Indirect)index_of(o, "indirect", indirect);
+    c->rays = (int)opt_int(o, "rays");
+    c->samples = (int)opt_int(o, "samples");
+    if (c->rays == 0)
+        c->rays = c->samples > 32 ? 2 * c->samples : 64;
+    c->tentative = (int)opt_int(o, "tentative");
+    c->safe = opt_float(o, "safe");
+    c->prior = opt_float(o, "prior");
+    return warn_of_points(opt_bool(o, "jitter"), c->indirect) &&
+           pointlights_init(&c->lights, it->base.scene, (size_t)opt_int(o, "points"),
+                            opt_bool(o, "jitter"), c->indirect) &&
+           lighttree_init(&c->tree, &c->lights) &&
+           lightcut_init(&c->cut, &c->tree, &rule, opt_bool(o, "boxes"), within);
+}
+
+static bool open_cut(Direct *it, const Opts *o)
+{
+    static const char *const within[] = { "even", "light", "tree" };
+
+    if (open_points(it, o, (size_t)opt_int(o, "clusters"),
+                    (WithinCluster)index_of(o, "within", within)))
+        return true;
+    close_cut(it);
+    return false;
+}
+
+/* Lights are drawn by their own values: any cut will do. */
+static bool open_sir(Direct *it, const Opts *o)
+{
+    if (open_points(it, o, 1, WITHIN_BY_LIGHT))
+        return true;
+    close_cut(it);
+    return false;
+}
+
+/* ---- probabilities ---- */
+
+/* What rays by the scattering say: energies of lobes by cluster, and what is matt on both sides. */
+typedef struct { float above, below, lobes; } Albedo;
+
+static Albedo count_rays(const Cut *c, const Turn *u, Tracer *t, float *energy_of)
+{
+    Draw draw, first = draw_first(t, u, DECIDE_TRY_LOBE, DECIDE_TRY_DIRECTION);
+    Albedo a = { 0, 0, 0 };
+    BsdfSample bs;
+
+    for (int i = 0; i < c->rays; i++) {
+        float energy;
+        draw = draw_number(&first, (uint32_t)i);
+        if (!turn_sample(u, draw.choice, draw.point, &bs) || !(bs.pdf_w > 0.0f))
+            continue;
+        energy = rgb_lum(bs.weight) / (float)c->rays;
+        if (!(bs.flags & BSDF_MATT)) {
+            a.lobes += energy;
+            lightcut_count(&c->cut, u->p, bs.wi, energy, energy_of);
+        } else if (v_dot(bs.wi, u->v->frame.n) > 0.0f)
+            a.above += energy;
+        else
+            a.below += energy;
+    }
+    return a;
+}
+
+static void by_counts(const Cut *c, const Turn *u, Tracer *t, float *weight)
+{
+    enum { KINDS = BSDF_MATT | BSDF_LOBES | BSDF_TRANSMIT };
+    int flags = u->v ? u->v->b->flags : 0;
+    Albedo a = { 0, 0, 1 };
+    float part = 1.0f;
+
+    if ((flags & KINDS) != BSDF_MATT) { /* else rays would say no more: matt, and above */
+        a = count_rays(c, u, t, weight);
+        lightcut_lobes(&c->cut, u->p, c->prior, a.lobes / (float)c->rays, weight);
+        part = SPREAD;
+    }
+    if (!u->v)
+        return;
+    if (flags & BSDF_TRANSMIT || u->v->wo.z > 0.0f)
+        a.above += part * a.lobes;
+    if (flags & BSDF_TRANSMIT || u->v->wo.z < 0.0f)
+        a.below += part * a.lobes;
+    if (a.above > 0.0f || a.below > 0.0f)
+        lightcut_matt(&c->cut, u->p, u->v->frame.n, a.above, a.below, weight);
+}
+
+static void by_middles(const Cut *c, const Turn *u, float *weight)
+{
+    for (size_t k = 0; k < c->cut.n; k++) {
+        Rgb f_cos;
+        V3 wi;
+        float omega = lightcut_middle(&c->cut, k, u->p, &wi);
+        if (turn_f_cos(u, wi, &f_cos, NULL))
+            weight[k] = c->cut.lum[k] * omega * rgb_lum(f_cos);
+    }
+}
+
+/* ---- light ---- */
+
+static Rgb looked_at(const Cut *c, const Turn *u, size_t i, Candidate *seen, Tracer *t)
+{
+    if (UNLIKELY(t->tally != NULL) && c->lights.p[i].kind == POINT_ON_SURFACE) {
+        Turn farther = *u;              /* one edge more */
+        farther.at++;
+        return candidate_light(seen, &farther, t);
+    }
+    return candidate_light(seen, u, t);
+}
+
+/* Point light i at a place of its own by `place`, taken own times. */
+static Rgb one_light(const Cut *c, const Turn *u, size_t i, V2 place, float own, Tracer *t)
+{
+    LightSample ls;
+    Candidate seen;
+
+    if (!pointlight_seen(&c->lights, i, u->p, place, &ls) ||
+        !candidate_seen(u, &ls, own, &seen))
+        return rgb_all(0.0f);
+    return looked_at(c, u, i, &seen, t);
+}
+
+static Rgb all_lights(const Cut *c, const Turn *u, Tracer *t)
+{
+    Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < c->lights.n; i++)
+        sum = rgb_add(sum, one_light(c, u, i, draw_number(&first, (uint32_t)i).point, 1.0f, t));
+    return sum;
+}
+
+/* Delta lights: nothing is to be chosen of them. */
+static Rgb deltas(const Direct *it, const Turn *u, Tracer *t)
+{
+    const Scene *s = it->base.scene;
+    Rgb sum = rgb_all(0.0f);
+    Candidate c;
+
+    for (size_t i = 0; i < s->nlights; i++)
+        if (s->lights[i]->kind->delta &&
+            candidate_of_light(&it->lighting, u, s->lights[i], 1.0f, (V2){ 0.5f, 0.5f }, 1.0f,
+                               0.0f, t, &c))
+            sum = rgb_add(sum, candidate_light(&c, u, t));
+    return sum;
+}
+
+static Rgb chosen_lights(const Cut *c, const Turn *u, Tracer *t)
+{
+    float weight[CUT_MOST];
+    Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    Rgb sum = rgb_all(0.0f);
+    LitPoint lit = { u->p, u->up };
+    double before = 0.0;
+    size_t k = 0;
+
+    memset(weight, 0, c->cut.n * sizeof weight[0]);
+    if (c->brdf == BRDF_COUNTS)
+        by_counts(c, u, t, weight);
+    else if (c->brdf == BRDF_SINGLE)
+        by_middles(c, u, weight);
+    lightcut_normalize(&c->cut, c->safe, weight);
+    for (int i = 0; i < c->samples; i++) {
+        double x = (i + (double)first.choice) / c->samples;
+        float pmf;
+        size_t at = lightcut_choose(&c->cut, &lit, weight, x, &k, &before, &pmf);
+        sum = rgb_add(sum, one_light(c, u, at, draw_number(&first, (uint32_t)i).point,
+                                     pmf * (float)c->samples, t));
+    }
+    return sum;
+}
+
+static Rgb light_by_cut(const Direct *it, const Turn *u, Tracer *t)
+{
+    const Cut *c = it->own;
+    Rgb sum = c->indirect == INDIRECT_ONLY ? rgb_all(0.0f) : deltas(it, u, t);
+
+    if (!c->cut.n)
+        return sum;
+    return rgb_add(sum, c->brdf == BRDF_ALL ? all_lights(c, u, t) : chosen_lights(c, u, t));
+}
+
+/* ---- sampling importance resampling ---- */
+
+/* Number i of those tried, of density times M = own: the light, and the place in its cell. */
+static size_t try_light(const Cut *c, const Draw *first, int i, size_t *k, double *before,
+                        float *own)
+{
+    double x = (i + (double)first->choice) / c->tentative;
+    float pmf;
+    size_t at = lightcut_choose(&c->cut, NULL, c->cut.share, x, k, before, &pmf);
+
+    *own = pmf * (float)c->tentative;
+    return at;
+}
+
+static bool as_tried(const Cut *c, const Turn *u, size_t light, const Draw *first, int i, float own,
+                     Candidate *seen)
+{
+    LightSample ls;
+    return pointlight_seen(&c->lights, light, u->p, draw_number(first, (uint32_t)i).point, &ls) &&
+           candidate_seen(u, &ls, own, seen);
+}
+
+/* The steps through the sum of what was tried, as in resample.c. The kept are made again. */
+static Rgb keep_some(const Cut *c, const Turn *u, const Draw *first, const float *tried,
+                     double sum, Tracer *t)
+{
+    double at = 0.0, step = sum / c->samples, before = 0.0;
+    float start = sample_1d(&t->sampler, DECISION(DECIDE_KEEP, u->at)), own;
+    Rgb light = rgb_all(0.0f);
+    Candidate seen;
+    size_t k = 0;
+    int next = 0;
+
+    for (int i = 0; i < c->tentative && next < c->samples; i++) {
+        size_t number = try_light(c, first, i, &k, &before, &own);
+        int times = 0;
+        at += (double)tried[i];
+        while (next < c->samples && ((next + (double)start) * step < at)) {
+            next++;
+            times++;
+        }
+        if (!times || !as_tried(c, u, number, first, i, own, &seen))
+            continue;
+        seen.c = rgb_scale(seen.c, (float)(times * step / (double)tried[i]));
+        light = rgb_add(light, looked_at(c, u, number, &seen, t));
+    }
+    return light;
+}
+
+static Rgb light_by_sir(const Direct *it, const Turn *u, Tracer *t)
+{
+    const Cut *c = it->own;
+    Rgb sum = c->indirect == INDIRECT_ONLY ? rgb_all(0.0f) : deltas(it, u, t);
+    Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    float tried[SIR_MOST];        /* luminance */
+    double before = 0.0, all = 0.0;
+    Candidate seen;
+    size_t k = 0;
+    float own;
+
+    for (int i = 0; c->cut.n && i < c->tentative; i++) {
+        size_t number = try_light(c, &first, i, &k, &before, &own);
+        tried[i] = own > 0.0f && as_tried(c, u, number, &first, i, own, &seen)
+                           ? rgb_lum(seen.c) : 0.0f;
+        all += (double)tried[i];
+    }
+    return all > 0.0 ? rgb_add(sum, keep_some(c, u, &first, tried, all, t)) : sum;
+}
+
+const DirectStrategy direct_cut = {
+    .name = "cut", .source = "Wang09", .help = "point lights, by clusters and the surface",
+    .finds_deltas = true, .open = open_cut, .close = close_cut, .light = light_by_cut
+};
+const DirectStrategy direct_sir = {
+    .name = "sir", .source = "Wang09 5", .help = "point lights by their light, few of them kept",
+    .finds_deltas = true, .open = open_sir, .close = close_cut, .light = light_by_sir
+};
