@@ -16,6 +16,8 @@ void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_adaptive(void);      /* figure 5.9 of [Cline07]: samples alike and where wanted */
 void bench_direct(void);        /* figure 4.10 of the document, many lights, equal time */
+void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
+void bench_bias(void);          /* what says that it is biased: by how much */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
@@ -28,6 +30,11 @@ bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, Ren
  * it says; integrator and sampler NULL: those that it names. */
 bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
                   uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report);
+
+/* What q asks for, of a scene file or, if text is not NULL, of that text, the scene's name being for
+ * messages and for the files that it names. report may be NULL. False: it said why. */
+bool bench_picture(const char *scene, const char *text, RenderRequest *q, Image *im,
+                   RenderReport *report);
 
 /* relMSE without the noise of the references: for two independent ones r and q, the mean of
  * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */
