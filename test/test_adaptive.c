@@ -479,6 +479,40 @@ static void whole(void)
     lab_clear(&l);
 }
 
+/* So it says, if single pixels were asked for, and if it may; without a word about a policy, or with
+ * one for the whole picture, nothing. */
+static void passes_warn(void)
+{
+    static const struct { const char *policy; double error; bool warns; } cases[] = {
+        { "neighbours", 0, true }, { "variable:pilot=9", 0, true }, { "own", 0.1, true },
+        { "none", 0.1, false }, { NULL, 0.1, false }, { NULL, 0, false }
+    };
+    Arena arena = { 0 };
+
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+        for (int strict = 0; strict < 2; strict++) {
+            unsigned before = warnings_count();
+            RenderSettings s;
+            RenderRequest q;
+            bool ok;
+            memset(&s, 0, sizeof s);
+            memset(&q, 0, sizeof q);
+            s.integrator = &passes_kind;
+            q.adaptive = cases[k].policy;
+            q.error = cases[k].error;
+            warnings_fatal(strict);
+            ok = settings_adaptive(&s, &q, &arena);
+            warnings_fatal(false);
+            EXPECT(ok == !(strict && cases[k].warns), "policy %d: %d", (int)k, ok);
+            EXPECT(!ok || s.adaptive == kind_find(adaptives, "none"), "policy %d: not the whole "
+                   "picture", (int)k);
+            EXPECT(strict || warnings_count() - before == cases[k].warns, "policy %d: %u warnings",
+                   (int)k, warnings_count() - before);
+            err_reset();
+        }
+    arena_clear(&arena);
+}
+
 /* ---- the command line ---- */
 
 static void options(void)
@@ -518,6 +552,7 @@ const TestCase test_adaptive[] = {
     { "threads", threads, false },
     { "time_budget", time_budget, false },
     { "whole", whole, false },
+    { "passes_warn", passes_warn, false },
     { "options", options, false },
     { NULL, NULL, false }
 };

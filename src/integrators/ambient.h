@@ -16,7 +16,8 @@
       .help = "radiance of the ambient light, where it is constant" }
 
 /* The radiance that surfaces see from everywhere, besides what a method finds itself. sky: the
- * method does not ask environment lights, so that their mean radiance is part of the estimate. */
+ * method does not ask environment lights, so that what arrives straight from them is part of the
+ * estimate. Of a scene that is built. */
 Rgb ambient_light(const Scene *s, const Opts *o, bool sky);
 
 /* What the estimate is made of: the area of all surfaces that scatter other than as a delta, and
