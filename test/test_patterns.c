@@ -596,7 +596,7 @@ static void picture(void)
     EXPECT(circles == 4 && lines == 3 + 5 + 2 + 2, "%d circles, %d lines", circles, lines);
     EXPECT(strstr(text, "a &lt; b &amp; c") != NULL, "the title is markup");
     EXPECT(strstr(text, "cx=\"80.00\" cy=\"80.00\"") != NULL, "the first point is elsewhere");
-    mem_free(f.bytes);
+    file_clear(&f);
 }
 
 const TestCase test_patterns[] = {
