@@ -25,16 +25,15 @@ void bench_samplers(void);      /* which sampler wins, scene by scene */
 
 /* Renders a scene file as the request says, its seed too. im may be NULL. False: it said why. */
 bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report);
+/* The same of a text of the scene language, whose name is for messages and for the files that it
+ * names; NULL: of the file of that name. */
+bool bench_text_picture(const char *name, const char *text, const RenderRequest *asked, Image *im,
+                        RenderReport *report);
 
 /* The same for a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as
  * it says; integrator and sampler NULL: those that it names. */
 bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,
                   uint32_t spp, int threads, uint64_t seed, Image *im, RenderReport *report);
-
-/* What q asks for, of a scene file or, if text is not NULL, of that text, the scene's name being for
- * messages and for the files that it names. report may be NULL. False: it said why. */
-bool bench_picture(const char *scene, const char *text, RenderRequest *q, Image *im,
-                   RenderReport *report);
 
 /* relMSE without the noise of the references: for two independent ones r and q, the mean of
  * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */

@@ -15,39 +15,12 @@
 enum { SIDE = 96, MANY = 1024 };
 
 typedef struct {
-    const char *name, *scene, *text;    /* text NULL: the file of that name */
-    const char *truth;                  /* the reference's integrator */
+    const char *name, *scene;
+    const char *truth;          /* the reference's integrator */
     const char *integrator, *sampler, *adaptive;
     double   error;
     uint32_t spp;
 } Case;
-
-bool bench_picture(const char *scene, const char *text, RenderRequest *q, Image *im,
-                   RenderReport *report)
-{
-    ReadLimits limits = READ_LIMITS_DEFAULT;
-    RenderReport unused;
-    RenderSettings s;
-    SceneFile f;
-    Film film;
-    bool ok;
-
-    q->seed_given = true;
-    q->max_pixels = limits.max_pixels;
-    if (text ? !scenefile_parse(&f, scene, text, strlen(text), &limits)
-             : !scenefile_read(&f, scene, &limits))
-        return false;
-    ok = settings_resolve(&s, q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, q->threads) &&
-         render(f.scene, &s, &film, report ? report : &unused);
-    if (ok) {
-        ok = image_init(im, film.w, film.h);
-        if (ok)
-            film_picture(&film, 0, im);
-        film_clear(&film);
-    }
-    scenefile_clear(&f);
-    return ok;
-}
 
 static double mean_of(const Image *im)
 {
@@ -71,6 +44,7 @@ static double bias_of(const Image *a, const Image *b, const Image *r, const Imag
 
 static bool pair(const Case *c, bool truth, Image im[2])
 {
+    RenderReport unused;
     RenderRequest q;
 
     for (uint64_t k = 0; k < 2; k++) {
@@ -83,7 +57,7 @@ static bool pair(const Case *c, bool truth, Image im[2])
         q.w = q.h = SIDE;
         q.threads = processors();
         q.seed = k + (truth ? 1000 : 1);
-        if (!bench_picture(c->scene, c->text, &q, &im[k], NULL))
+        if (!bench_picture(c->scene, &q, &im[k], &unused))
             return false;
     }
     return true;
@@ -122,17 +96,17 @@ static void table(const Case *c, int n)
 }
 
 #define ALL "direct:strategy=light,lights=all"
-#define WARD(t) "lights=ward, tolerance " #t, "scenes/nine-lights.pbrt", NULL, ALL,             \
+#define WARD(t) "lights=ward, tolerance " #t, "scenes/nine-lights.pbrt", ALL,                   \
                 "direct:strategy=light,lights=ward,tolerance=" #t, NULL, NULL, 0, 64
-#define SPOTS(t) "lights=ward, tolerance " #t, "scenes/five-spots.pbrt", NULL, ALL,             \
+#define SPOTS(t) "lights=ward, tolerance " #t, "scenes/five-spots.pbrt", ALL,                   \
                  "direct:strategy=light,lights=ward,tolerance=" #t, NULL, NULL, 0, 64
-#define TREES(scene) "whitted", "scenes/" scene ".pbrt", NULL, "path", "whitted", NULL, NULL, 0, 16
-#define TREES_SPREAD(scene) "distributed", "scenes/" scene ".pbrt", NULL, "path", "distributed",\
+#define TREES(scene) "whitted", "scenes/" scene ".pbrt", "path", "whitted", NULL, NULL, 0, 16
+#define TREES_SPREAD(scene) "distributed", "scenes/" scene ".pbrt", "path", "distributed",\
                             NULL, NULL, 0, 64
-#define ALIKE(sampler, n) sampler, "scenes/s4.pbrt", NULL, "path", "path", sampler, NULL, 0, n
-#define ENDS(policy, x) policy ", --error " #x, "scenes/swarm-probe.pbrt", NULL, "path", "path", \
+#define ALIKE(sampler, n) sampler, "scenes/s4.pbrt", "path", "path", sampler, NULL, 0, n
+#define ENDS(policy, x) policy ", --error " #x, "scenes/swarm-probe.pbrt", "path", "path", \
                         NULL, policy, x, 0
-#define SPENT(policy, n) policy, "scenes/swarm-probe.pbrt", NULL, "path", "path", NULL, policy, 0, n
+#define SPENT(policy, n) policy, "scenes/swarm-probe.pbrt", "path", "path", NULL, policy, 0, n
 
 void bench_bias(void)
 {

@@ -34,6 +34,7 @@ static const char floor_text[] =
 static bool floor_picture(const char *light, uint32_t spp, uint64_t seed, Image *im)
 {
     char text[sizeof floor_text + 200];
+    RenderReport unused;
     RenderRequest q;
 
     snprintf(text, sizeof text, floor_text, light);
@@ -43,7 +44,7 @@ static bool floor_picture(const char *light, uint32_t spp, uint64_t seed, Image 
     q.spp = spp;
     q.seed = seed;
     q.threads = processors();
-    return bench_picture("scenes/floor", text, &q, im, NULL);
+    return bench_text_picture("scenes/floor", text, &q, im, &unused);
 }
 
 static double off(const Image *a, const Image *r, size_t i)
@@ -162,7 +163,7 @@ static bool lamp_noise(const char *option, const char *shape, double *sigma, dou
             q.spp = SPP;
             q.threads = 1;
             q.seed = 2 * k + j;
-            if (!bench_picture("lamp", text, &q, &im[j], &r))
+            if (!bench_text_picture("lamp", text, &q, &im[j], &r))
                 return false;
             *seconds = r.cpu_seconds < *seconds ? r.cpu_seconds : *seconds;
         }
