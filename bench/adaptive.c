@@ -125,6 +125,13 @@ void bench_adaptive(void)
         row(&f, samplers_of[k], "neighbours", 0, SIDE, "");
     }
     scenefile_clear(&f);
+    if (!scene_open(&f, "scenes/s5.pbrt"))
+        return;
+    head("the same on scenes/s5.pbrt, whose noise is rare bright samples");
+    row(&f, "zerotwo", "none", 0, SIDE, "");
+    row(&f, "zerotwo", "variable", 0, SIDE, "");
+    row(&f, "zerotwo", "neighbours", 0, SIDE, "");
+    scenefile_clear(&f);
     errors("scenes/swarm-probe.pbrt", asked + 1, 1, 64);
     errors("scenes/s5.pbrt", asked, 2, 32);
     errors("scenes/s5.pbrt", asked, 2, 64);

@@ -56,6 +56,14 @@ static Rgb even(const Integrator *it, const Ray *r, Tracer *t)
     return rgb_all(0.7f);
 }
 
+/* Noise on one side only, which the camera has on the left. */
+static Rgb cliff(const Integrator *it, const Ray *r, Tracer *t)
+{
+    float u = sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, 0));
+    (void)it;
+    return rgb_all(r->d.x > 0 ? 2 * u : 0.99f + 0.02f * u);
+}
+
 static Rgb black(const Integrator *it, const Ray *r, Tracer *t)
 {
     (void)it;
@@ -71,6 +79,7 @@ RULE(spikes);
 RULE(edges);
 RULE(even);
 RULE(black);
+RULE(cliff);
 
 static void lab_empty(Lab *l)
 {
@@ -371,6 +380,32 @@ static void budget(void)
     lab_clear(&l);
 }
 
+/* Rows that run one way and rows that run the other lag behind a change alike: on either side of it
+ * every second row has as many samples as those between, but for those at the top of bands. */
+static void rows(void)
+{
+    double n[2][2] = { { 0, 0 }, { 0, 0 } };    /* left, right; even, odd */
+    RenderReport report;
+    RenderSettings s;
+    Film film;
+    Lab l;
+
+    lab_empty(&l);
+    settings(&l, &s, &cliff_kind, "variable", 64, 4 * FILM_TILE);
+    s.spp = 64;
+    picture_render(&l, &s, &film, &report);
+    for (uint32_t y = 0; y < film.h; y++)
+        for (uint32_t x = 0; x < 64; x++)
+            if (y % FILM_TILE > 1)
+                n[x >= 32][y % 2] += film.counts[film_pixel(&film, x, y)];
+    for (int side = 0; side < 2; side++)
+        EXPECT(fabs(n[side][0] / n[side][1] - 1) < 0.02, "even and odd rows have %.0f and %.0f",
+               n[side][0], n[side][1]);
+    EXPECT(n[0][0] > 1.5 * n[1][0], "the noisy side, the left one, has no more samples");
+    film_clear(&film);
+    lab_clear(&l);
+}
+
 /* ---- threads, windows, time ---- */
 
 static void threads(void)
@@ -549,6 +584,7 @@ const TestCase test_adaptive[] = {
     { "stops", stops, false },
     { "limits", limits, false },
     { "budget", budget, false },
+    { "rows", rows, false },
     { "threads", threads, false },
     { "time_budget", time_budget, false },
     { "whole", whole, false },

@@ -206,7 +206,7 @@ static void grid(int scene)
     place_init(&p, scene);
     for (int way = 0; way < WAYS; way++)
         for (int k = 0; k < PATTERNS; k++)
-            expect_cell(&p, way, k, 1, 2.5);
+            expect_cell(&p, way, k, 1, 3);
     place_clear(&p);
 }
 
