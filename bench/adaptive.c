@@ -3,8 +3,8 @@
  * source's scene, in Galileo's Tomb, is not at hand: ours is scenes/swarm-probe.pbrt. Policies that
  * take more samples than they were asked for are compared by sigma/mu times the root of them.
  *
- * Then --error X: what a picture has that stops there, what it states, and how that spreads over the
- * seeds, in small pictures and large ones; scenes/s5.pbrt has spikes that few pixels meet. */
+ * Then --error X: what a picture has that stops there, and what it states, in small pictures and
+ * larger ones; scenes/s5.pbrt has spikes that few pixels meet. */
 #include "bench/bench.h"
 
 #include <stdio.h>

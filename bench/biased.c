@@ -1,5 +1,5 @@
-/* biased.c -- how far off is what says of itself that it is biased: guesses at shadows, skies of
- * fixed lights, lamps as points, patterns alike in all pixels, pixels that end by their own samples.
+/* biased.c -- how far off is what says of itself that it is biased: guesses at shadows, lamps as
+ * points, patterns alike in all pixels, pixels that end by their own samples.
  *
  * Mean      of the picture over that of the reference; then the root mean square over the pixels of
  *           what is not noise, in units of the reference's mean. For two renders a, b of the method
@@ -120,8 +120,8 @@ void bench_bias(void)
         { ALIKE("halton:randomize=none", 16) }, { ALIKE("poisson:randomize=none", 16) },
         { ALIKE("stratified:randomize=none", 16) }, { ALIKE("stratified:jitter=false", 16) },
         { ENDS("own", 0.2) }, { ENDS("own", 0.05) }, { ENDS("neighbours", 0.2) },
-        { ENDS("neighbours", 0.05) }, { ENDS("none", 0.05) }, { SPENT("variable:rerender=true", 16) },
-        { SPENT("variable", 16) }, { SPENT("neighbours", 16) },
+        { ENDS("neighbours", 0.05) }, { ENDS("none", 0.05) },
+        { SPENT("variable:rerender=true", 16) }, { SPENT("variable", 16) }, { SPENT("neighbours", 16) },
     };
     printf("# bias in %d x %d pixels: of the mean; of the pixels, root mean square\n", SIDE, SIDE);
     table(cases, (int)(sizeof cases / sizeof cases[0]));

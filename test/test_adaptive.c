@@ -514,8 +514,8 @@ static void whole(void)
     lab_clear(&l);
 }
 
-/* So it says, if single pixels were asked for, and if it may; without a word about a policy, or with
- * one for the whole picture, nothing. */
+/* So it says, if single pixels were asked for, and if it may; without a word about a policy, or
+ * with one for the whole picture, nothing. */
 static void passes_warn(void)
 {
     static const struct { const char *policy; double error; bool warns; } cases[] = {

@@ -346,8 +346,9 @@ static void small_stack(void)
 /* ---- warnings ---- */
 
 /* The warning and the error are the same but for the word, and --strict leaves no picture. */
-#define FOG "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [ 1 1 1 ]\n"    \
-            "WorldBegin\nShape \"sphere\"\nLightSource \"infinite\"\n"
+#define FOG "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" "     \
+            "\"rgb sigma_s\" [ 1 1 1 ]\nWorldBegin\nShape \"sphere\"\n"              \
+            "LightSource \"infinite\"\n"
 #define LEAVES(method) method " leaves out the light that media scatter, here the medium 'fog'; "  \
                        "path and direct show it"
 static void strict(void)

@@ -1,5 +1,5 @@
-/* plot.h -- SVG pictures: curves on logarithmic axes (error against samples, against time), and sets
- * of points in the unit square. */
+/* plot.h -- SVG pictures: curves on logarithmic axes (error against samples, against time), and
+ * sets of points in the unit square. */
 #ifndef RENDER_PLOT_H
 #define RENDER_PLOT_H
 
