@@ -121,7 +121,8 @@ void bench_bias(void)
         { ALIKE("stratified:randomize=none", 16) }, { ALIKE("stratified:jitter=false", 16) },
         { ENDS("own", 0.2) }, { ENDS("own", 0.05) }, { ENDS("neighbours", 0.2) },
         { ENDS("neighbours", 0.05) }, { ENDS("none", 0.05) },
-        { SPENT("variable:rerender=true", 16) }, { SPENT("variable", 16) }, { SPENT("neighbours", 16) },
+        { SPENT("variable:rerender=true", 16) }, { SPENT("variable", 16) },
+        { SPENT("neighbours", 16) },
     };
     printf("# bias in %d x %d pixels: of the mean; of the pixels, root mean square\n", SIDE, SIDE);
     table(cases, (int)(sizeof cases / sizeof cases[0]));
