@@ -17,6 +17,8 @@ void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_adaptive(void);      /* figure 5.9 of [Cline07]: samples alike and where wanted */
 void bench_direct(void);        /* figure 4.10 of the document, many lights, equal time */
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
+void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
+void bench_bias(void);          /* what says that it is biased: by how much */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
@@ -25,6 +27,10 @@ void bench_samplers(void);      /* which sampler wins, scene by scene */
 /* Renders a scene file as the request says, its seed too: the picture, or the first extra picture
  * that is asked for. im may be NULL. False: it said why. */
 bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report);
+/* The same of a text of the scene language, whose name is for messages and for the files that it
+ * names; NULL: of the file of that name. */
+bool bench_text_picture(const char *name, const char *text, const RenderRequest *asked, Image *im,
+                        RenderReport *report);
 
 /* The same for a scene of scenes/ with spp samples, side x side pixels or, if that is 0, as many as
  * it says; integrator and sampler NULL: those that it names. */

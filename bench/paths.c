@@ -10,7 +10,8 @@
  * what the program can do, and the median what it did. */
 enum { RUNS = 15 };
 
-bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report)
+bool bench_text_picture(const char *name, const char *text, const RenderRequest *asked, Image *im,
+                        RenderReport *report)
 {
     ReadLimits limits = READ_LIMITS_DEFAULT;
     RenderRequest q = *asked;
@@ -21,7 +22,8 @@ bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, Ren
 
     q.seed_given = true;
     q.max_pixels = limits.max_pixels;
-    if (!scenefile_read(&f, scene, &limits))
+    if (text ? !scenefile_parse(&f, name, text, strlen(text), &limits)
+             : !scenefile_read(&f, name, &limits))
         return false;
     ok = settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, q.threads) &&
          render(f.scene, &s, &film, report);
@@ -33,6 +35,11 @@ bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, Ren
     }
     scenefile_clear(&f);
     return ok;
+}
+
+bool bench_picture(const char *scene, const RenderRequest *asked, Image *im, RenderReport *report)
+{
+    return bench_text_picture(scene, NULL, asked, im, report);
 }
 
 bool bench_render(const char *scene, const char *integrator, const char *sampler, uint32_t side,

@@ -3,8 +3,7 @@
  * [Mitchell96], and what uncorrelated jittering [Shirley91 5.4.1] gains. */
 #include "bench/bench.h"
 
-#include "base/file.h"
-#include "base/number.h"
+#include "render/plot.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -59,62 +58,29 @@ static const Panel panels[] = {
     { "Hammersley points, rotated", "hammersley", 64, 1, 1 },
     { "Sobol's, dimensions 0 and 1, scrambled", "sobol", 64, 8, 8 },
 };
-enum { PANELS = sizeof panels / sizeof panels[0], ACROSS = 5, SIDE = 200, PITCH = 230 };
-
-/* The places are whole hundredths of a unit: no decimal point that a locale could change. */
-static void draw(Out *out, int k, const V2 *u)
-{
-    const Panel *p = &panels[k];
-    int x0 = 15 + k % ACROSS * PITCH, y0 = 30 + k / ACROSS * (PITCH + 10);
-    char line[300];
-
-    snprintf(line, sizeof line, "<g transform='translate(%d,%d)'><text y='-8'>%s</text>"
-             "<rect width='%d' height='%d' fill='none' stroke='#888'/>\n", x0, y0, p->title, SIDE,
-             SIDE);
-    out_text(out, line);
-    for (int i = 1; i < p->columns; i++) {
-        snprintf(line, sizeof line, "<path d='M%d 0V%d' stroke='#ccc'/>\n", i * SIDE / p->columns,
-                 SIDE);
-        out_text(out, line);
-    }
-    for (int i = 1; i < p->rows; i++) {
-        snprintf(line, sizeof line, "<path d='M0 %dH%d' stroke='#ccc'/>\n", i * SIDE / p->rows,
-                 SIDE);
-        out_text(out, line);
-    }
-    out_text(out, "<g transform='scale(0.01)'>\n");
-    for (uint32_t i = 0; i < p->n; i++) {
-        snprintf(line, sizeof line, "<circle cx='%d' cy='%d' r='250'/>\n",
-                 (int)(u[i].x * (100 * SIDE)), (int)((1 - u[i].y) * (100 * SIDE)));
-        out_text(out, line);
-    }
-    out_text(out, "</g></g>\n");
-}
+enum { PANELS = sizeof panels / sizeof panels[0], ACROSS = 5, POINTS = 64 };
 
 static void figures(void)
 {
-    static V2 u[MOST];
-    Out *out = out_open("patterns.svg");
-    char line[200];
+    V2 u[POINTS];
+    static float xy[PANELS][2 * POINTS];
+    PlotPoints sets[PANELS];
 
-    if (!out)
-        return;
-    snprintf(line, sizeof line, "<svg xmlns='http://www.w3.org/2000/svg' width='%d' height='%d' "
-             "font-family='sans-serif' font-size='11'>\n<rect width='100%%' height='100%%' "
-             "fill='white'/>\n", 15 + ACROSS * PITCH,
-             10 + (PANELS + ACROSS - 1) / ACROSS * (PITCH + 10));
-    out_text(out, line);
     for (int k = 0; k < PANELS; k++) {
-        uint32_t spp = panels[k].n;
+        const Panel *p = &panels[k];
+        uint32_t spp = p->n;
         Sampler s;
-        if (!open_sampler(&s, panels[k].sampler, &spp))
-            break;
-        take(&s, 7, panels[k].n, u);
-        draw(out, k, u);
+        if (!open_sampler(&s, p->sampler, &spp))
+            return;
+        take(&s, 7, p->n, u);
         sampler_clear(&s);
+        for (uint32_t i = 0; i < p->n; i++) {
+            xy[k][2 * i] = u[i].x;
+            xy[k][2 * i + 1] = u[i].y;
+        }
+        sets[k] = (PlotPoints){ p->title, xy[k], (int)p->n, p->columns, p->rows };
     }
-    out_text(out, "</svg>\n");
-    if (out_close(out))
+    if (plot_write_points("patterns.svg", sets, PANELS, ACROSS))
         printf("# figures 4.11 to 4.15: patterns.svg\n");
 }
 

@@ -1,6 +1,6 @@
 /* bytes_hashes.h -- written by test_bytes.c, which says how. */
     { "integrator/path", 0xDF5E4E0D6F5186C6 },
-    { "integrator/whitted", 0x31615B0B1BAD0617 },
+    { "integrator/whitted", 0x10A39011EB851A59 },
     { "integrator/distributed", 0x1C1618E34148B1CB },
     { "integrator/ao", 0x1F8F508FFDB6313E },
     { "integrator/direct", 0x7CF3B670E3153EB6 },

@@ -56,6 +56,14 @@ static Rgb even(const Integrator *it, const Ray *r, Tracer *t)
     return rgb_all(0.7f);
 }
 
+/* Noise on one side only, which the camera has on the left. */
+static Rgb cliff(const Integrator *it, const Ray *r, Tracer *t)
+{
+    float u = sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, 0));
+    (void)it;
+    return rgb_all(r->d.x > 0 ? 2 * u : 0.99f + 0.02f * u);
+}
+
 static Rgb black(const Integrator *it, const Ray *r, Tracer *t)
 {
     (void)it;
@@ -71,6 +79,7 @@ RULE(spikes);
 RULE(edges);
 RULE(even);
 RULE(black);
+RULE(cliff);
 
 static void lab_empty(Lab *l)
 {
@@ -371,6 +380,32 @@ static void budget(void)
     lab_clear(&l);
 }
 
+/* Rows that run one way and rows that run the other lag behind a change alike: on either side of it
+ * every second row has as many samples as those between, but for those at the top of bands. */
+static void rows(void)
+{
+    double n[2][2] = { { 0, 0 }, { 0, 0 } };    /* left, right; even, odd */
+    RenderReport report;
+    RenderSettings s;
+    Film film;
+    Lab l;
+
+    lab_empty(&l);
+    settings(&l, &s, &cliff_kind, "variable", 64, 4 * FILM_TILE);
+    s.spp = 64;
+    picture_render(&l, &s, &film, &report);
+    for (uint32_t y = 0; y < film.h; y++)
+        for (uint32_t x = 0; x < 64; x++)
+            if (y % FILM_TILE > 1)
+                n[x >= 32][y % 2] += film.counts[film_pixel(&film, x, y)];
+    for (int side = 0; side < 2; side++)
+        EXPECT(fabs(n[side][0] / n[side][1] - 1) < 0.02, "even and odd rows have %.0f and %.0f",
+               n[side][0], n[side][1]);
+    EXPECT(n[0][0] > 1.5 * n[1][0], "the noisy side, the left one, has no more samples");
+    film_clear(&film);
+    lab_clear(&l);
+}
+
 /* ---- threads, windows, time ---- */
 
 static void threads(void)
@@ -479,6 +514,40 @@ static void whole(void)
     lab_clear(&l);
 }
 
+/* So it says, if single pixels were asked for, and if it may; without a word about a policy, or
+ * with one for the whole picture, nothing. */
+static void passes_warn(void)
+{
+    static const struct { const char *policy; double error; bool warns; } cases[] = {
+        { "neighbours", 0, true }, { "variable:pilot=9", 0, true }, { "own", 0.1, true },
+        { "none", 0.1, false }, { NULL, 0.1, false }, { NULL, 0, false }
+    };
+    Arena arena = { 0 };
+
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+        for (int strict = 0; strict < 2; strict++) {
+            unsigned before = warnings_count();
+            RenderSettings s;
+            RenderRequest q;
+            bool ok;
+            memset(&s, 0, sizeof s);
+            memset(&q, 0, sizeof q);
+            s.integrator = &passes_kind;
+            q.adaptive = cases[k].policy;
+            q.error = cases[k].error;
+            warnings_fatal(strict);
+            ok = settings_adaptive(&s, &q, &arena);
+            warnings_fatal(false);
+            EXPECT(ok == !(strict && cases[k].warns), "policy %d: %d", (int)k, ok);
+            EXPECT(!ok || s.adaptive == kind_find(adaptives, "none"), "policy %d: not the whole "
+                   "picture", (int)k);
+            EXPECT(strict || warnings_count() - before == cases[k].warns, "policy %d: %u warnings",
+                   (int)k, warnings_count() - before);
+            err_reset();
+        }
+    arena_clear(&arena);
+}
+
 /* ---- the command line ---- */
 
 static void options(void)
@@ -515,9 +584,11 @@ const TestCase test_adaptive[] = {
     { "stops", stops, false },
     { "limits", limits, false },
     { "budget", budget, false },
+    { "rows", rows, false },
     { "threads", threads, false },
     { "time_budget", time_budget, false },
     { "whole", whole, false },
+    { "passes_warn", passes_warn, false },
     { "options", options, false },
     { NULL, NULL, false }
 };

@@ -346,6 +346,11 @@ static void small_stack(void)
 /* ---- warnings ---- */
 
 /* The warning and the error are the same but for the word, and --strict leaves no picture. */
+#define FOG "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" "     \
+            "\"rgb sigma_s\" [ 1 1 1 ]\nWorldBegin\nShape \"sphere\"\n"              \
+            "LightSource \"infinite\"\n"
+#define LEAVES(method) method " leaves out the light that media scatter, here the medium 'fog'; "  \
+                       "path and direct show it"
 static void strict(void)
 {
     static const struct { const char *text, *place, *says; } CASES[] = {
@@ -356,6 +361,8 @@ static void strict(void)
           "the lights have no power: the picture is black" },
         { "Integrator \"paths\"\nWorldBegin\nShape \"sphere\"\nLightSource \"infinite\"\n",
           "w.pbrt:1:22: ", "integrator \"paths\" is not known; \"path\" is used" },
+        { "Integrator \"whitted\"\n" FOG, "", LEAVES("whitted") },
+        { "Integrator \"distributed\"\n" FOG, "", LEAVES("distributed") },
     };
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         char want[400], text[500];

@@ -1,6 +1,7 @@
 /* test_patterns.c -- what defines each pattern: one sample in each stratum, row, column and
  * elementary box; a least distance; permutations without bias; and blocks, rounding and names. */
 #include "base/file.h"
+#include "render/plot.h"
 #include "render/render.h"
 #include "sampling/darts.h"
 #include "sampling/directions.h"
@@ -573,6 +574,31 @@ static void pictures(void)
     lab_clear(&l);
 }
 
+/* ---- their picture ---- */
+
+/* A circle for each point, where it should be, lines of the grid, and a title that is no markup. */
+static void picture(void)
+{
+    static const float xy[] = { 0.25f, 0.75f, 0, 0, 0.5f, 0.125f };
+    static const PlotPoints sets[] = { { "a < b & c", xy, 3, 2, 4 }, { "one", xy, 1, 1, 1 } };
+    char path[300], *text;
+    int circles = 0, lines = 0;
+    FileBytes f;
+
+    snprintf(path, sizeof path, "%s/p.svg", test_folder());
+    REQUIRE(plot_write_points(path, sets, 2, 1), "not written");
+    REQUIRE(file_read(path, 1 << 20, &f), "not read");
+    text = f.bytes;                             /* a byte 0 stands behind the last */
+    for (const char *at = text; (at = strstr(at, "<circle")); at++)
+        circles++;
+    for (const char *at = text; (at = strstr(at, "<line")); at++)
+        lines++;
+    EXPECT(circles == 4 && lines == 3 + 5 + 2 + 2, "%d circles, %d lines", circles, lines);
+    EXPECT(strstr(text, "a &lt; b &amp; c") != NULL, "the title is markup");
+    EXPECT(strstr(text, "cx=\"80.00\" cy=\"80.00\"") != NULL, "the first point is elsewhere");
+    file_clear(&f);
+}
+
 const TestCase test_patterns[] = {
     { "strata", strata, false }, { "rotated", rotated, false },
     { "blocks_unknown", blocks_unknown, false },
@@ -581,5 +607,5 @@ const TestCase test_patterns[] = {
     { "tiles", tiles, false }, { "halton_boxes", halton_boxes, false }, { "nets", nets, false },
     { "directions", directions, false }, { "very_many", very_many, false },
     { "fixed", fixed, false }, { "names", names, false },
-    { "pictures", pictures, false }, { NULL, NULL, false }
+    { "pictures", pictures, false }, { "picture", picture, false }, { NULL, NULL, false }
 };

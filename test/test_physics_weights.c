@@ -125,29 +125,66 @@ static double heuristic(double p, double q, bool power)
     return power ? p * p / (p * p + q * q) : p / (p + q);
 }
 
-typedef struct { bool glossy, uniform, power; int count[STRATEGIES][LIGHTS]; } Setup;
+/* What is asked: `path`; or `direct` with `others` samples of the other way for one of this one, of
+ * one light or of all, and with directions in place of points, where the sky lies behind every
+ * lamp. */
+typedef enum { BY_PATH, BY_DIRECT, BY_ALL, BY_DIRECTIONS, METHODS } Method;
+typedef struct {
+    bool glossy, uniform, power;
+    Method method;
+    int others;
+    int count[STRATEGIES][LIGHTS];
+} Setup;
+
+/* The method with both ways, or with `how` alone. */
+static void method_text(char text[200], const Setup *s, Strategy how, bool both)
+{
+    static const char *const by_path[2] = { "implicit", "explicit" };
+    static const char *const by_direct[2] = { "brdf", "light" };
+    static const char *const more[METHODS] = { "", "", ",lights=all", ",occlusion=directions" };
+    bool by_light = how == STRATEGY_EXPLICIT;
+    char tail[100];
+
+    snprintf(tail, sizeof tail, ",heuristic=%s,lightsampler=%s,maxdepth=1",
+             s->power ? "power" : "balance", s->uniform ? "uniform" : "power");
+    if (s->method == BY_PATH)
+        snprintf(text, 200, "strategy=%s,roulette=9%s", both ? "mis" : by_path[how], tail);
+    else
+        snprintf(text, 200, "direct:strategy=%s,lightsamples=%d,bsdfsamples=%d%s%s",
+                 both ? "mis" : by_direct[how], by_light ? 1 : s->others, by_light ? s->others : 1,
+                 both || s->method != BY_ALL || by_light ? more[s->method] : "", tail);
+}
+
+/* Density of asking for the direction that meets w there. */
+static double asked_density(const Lab *l, const Setup *s, Which w, V3 p)
+{
+    double d = light_density(w, p);
+
+    if (s->method != BY_ALL)
+        d *= share(l, w, s->uniform);
+    if (s->method == BY_DIRECTIONS && w != SKY)
+        d += share(l, SKY, s->uniform) * light_density(SKY, p);
+    return d;
+}
 
 static void expect_weight(Lab *l, Setup *s, Fixed *f, Ray r, Strategy how, Which w, V3 wi, V3 p)
 {
-    const char *ways[2] = { "implicit", "explicit" };
-    char text[160], tail[100];
+    char text[200];
     double alone, both, asked, met, truth;
 
-    snprintf(tail, sizeof tail, ",heuristic=%s,lightsampler=%s,maxdepth=1,roulette=9",
-             s->power ? "power" : "balance", s->uniform ? "uniform" : "power");
-    snprintf(text, sizeof text, "strategy=%s%s", ways[how], tail);
+    method_text(text, s, how, false);
     alone = contribution(l, text, f, r, how);
-    snprintf(text, sizeof text, "strategy=mis%s", tail);
+    method_text(text, s, how, true);
     both = contribution(l, text, f, r, how);
-    asked = share(l, w, s->uniform) * light_density(w, p);
+    asked = asked_density(l, s, w, p);
     met = floor_density(s->glossy, r.o, wi);
-    truth = how == STRATEGY_EXPLICIT ? heuristic(asked, met, s->power)
-                                     : heuristic(met, asked, s->power);
+    truth = how == STRATEGY_EXPLICIT ? heuristic(asked, s->others * met, s->power)
+                                     : heuristic(met, s->others * asked, s->power);
     if (!(alone > 0))
         return;
     s->count[how][w]++;
-    EXPECT(fabs(both / alone - truth) <= 1e-5 * truth, "%s path to the %s, %s: weight %.9g, it is "
-           "%.9g", ways[how], names[w], tail + 1, both / alone, truth);
+    EXPECT(fabs(both / alone - truth) <= 1e-5 * truth, "way %d to the %s, %s: weight %.9g, it is "
+           "%.9g", (int)how, names[w], text, both / alone, truth);
 }
 
 /* Where a ray from POINT meets which light; false: the floor's underside or a back. */
@@ -205,18 +242,24 @@ static void one_seed(Lab *l, Setup *s, uint64_t seed)
     f.choose = 0.5f;
     if (floor_direction(l, &f, eye, &wi) && light_met(l, wi, &w, &p))
         expect_weight(l, s, &f, r, STRATEGY_IMPLICIT, w, wi, p);
+    if (s->method == BY_ALL)                    /* there no light can be told from the others */
+        return;
     for (int k = 0; k < LIGHTS; k++) {          /* u in the middle of each light's share */
         const Light *light = l->scene->lights[k];
         V2 u = enumerate_fixed(&f.e, DECISION(DECIDE_LIGHT_POINT, 0));
         float part = (float)share(l, (Which)k, s->uniform);
         f.choose = below + 0.5f * part;
         below += part;
-        if (light->kind->sample(light, POINT, u, &ls) && ls.wi.z > 0.01f)
-            expect_weight(l, s, &f, r, STRATEGY_EXPLICIT, (Which)k, ls.wi, ls.p);
+        if (!light->kind->sample(light, POINT, u, &ls) || ls.wi.z <= 0.01f)
+            continue;
+        w = (Which)k;
+        p = ls.p;
+        if (s->method != BY_DIRECTIONS || light_met(l, ls.wi, &w, &p))
+            expect_weight(l, s, &f, r, STRATEGY_EXPLICIT, w, ls.wi, p);
     }
 }
 
-static void weights(bool glossy)
+static void weights(bool glossy, Method method, int others)
 {
     Lab l;
 
@@ -227,9 +270,11 @@ static void weights(bool glossy)
         s.glossy = glossy;
         s.uniform = k & 1;
         s.power = k & 2;
-        for (uint64_t seed = 0; seed < 1000; seed++)
+        s.method = method;
+        s.others = others;
+        for (uint64_t seed = 0; seed < (method == BY_PATH ? 1000 : 600); seed++)
             one_seed(&l, &s, seed);
-        for (int how = 0; how < STRATEGIES; how++)
+        for (int how = 0; how < (method == BY_ALL ? STRATEGY_EXPLICIT : STRATEGIES); how++)
             for (int w = 0; w < LIGHTS; w++)
                 EXPECT(s.count[how][w] >= 5, "%s: only %d paths by way %d", names[w],
                        s.count[how][w], how);
@@ -237,11 +282,19 @@ static void weights(bool glossy)
     lab_clear(&l);
 }
 
-static void matt(void) { weights(false); }
-static void glossy_floor(void) { weights(true); }
+static void matt(void) { weights(false, BY_PATH, 1); }
+static void glossy_floor(void) { weights(true, BY_PATH, 1); }
+static void direct_one(void) { weights(true, BY_DIRECT, 1); }
+static void direct_many(void) { weights(true, BY_DIRECT, 5); }
+static void direct_all(void) { weights(true, BY_ALL, 2); }
+static void direct_directions(void) { weights(true, BY_DIRECTIONS, 3); }
 
 const TestCase test_physics_weights[] = {
     { "matt", matt, false },
     { "glossy", glossy_floor, false },
+    { "direct_one", direct_one, false },
+    { "direct_many", direct_many, false },
+    { "direct_all", direct_all, false },
+    { "direct_directions", direct_directions, false },
     { NULL, NULL, false }
 };

@@ -447,6 +447,38 @@ static void test_ambient_formula(void)
     lab_clear(&l);
 }
 
+static Rgb sky_of_two(V3 w)
+{
+    (void)w;
+    return rgb_all(2);
+}
+
+/* Inside of a ball from which a cap is cut off, a part o of its area, any point sees the cap as a
+ * part o of all directions, so that a sky L gives all points the same light: it sums up to
+ * L o / (1 - R (1 - o)). Of that the part L o comes straight from the sky. In a closed ball there
+ * is none. */
+static void test_ambient_in_a_bowl(void)
+{
+    static const double open[] = { 0.5, 0.2, 0.02, 0 };
+
+    for (int k = 0; k < 4; k++) {
+        double R = 0.7, o = open[k], want = 2 * o / (1 - R * (1 - o)), got;
+        Lab l;
+        lab_init(&l);
+        lab_zone(&l, v3(0, 0, 0), 1, -1, (float)(1 - 2 * o),
+                 lab_material(&l, "diffuse", "reflectance=0.7"), false);
+        lab_sky(&l, 16, 8, sky_of_two, NULL);
+        lab_camera(&l, v3(0.1f, 0.2f, -0.3f), v3(0.5f, 0.3f, -0.9f), 45, "");
+        lab_build(&l);
+        got = (double)ambient_of(l.scene, "ambient=estimate", true).g;
+        EXPECT(fabs(got - want) <= 0.05 * want, "%g open: %.4g, it is %.4g", o, got, want);
+        got = (double)ambient_of(l.scene, "ambient=estimate", false).g;
+        EXPECT(fabs(got - want + 2 * o) <= 0.05 * want, "%g open, without the sky: %.4g, it is "
+               "%.4g", o, got, want - 2 * o);
+        lab_clear(&l);
+    }
+}
+
 /* ---- the driver, and scenes with little in them ---- */
 
 /* Lights of no power, none at all, no lens: black pictures, or those of the ambient light. */
@@ -548,6 +580,7 @@ const TestCase test_whitted[] = {
     { "walls", test_walls, false },
     { "textured_walls", test_textured_walls, false },
     { "ambient_formula", test_ambient_formula, false },
+    { "ambient_in_a_bowl", test_ambient_in_a_bowl, false },
     { "little", test_little, false },
     { "media", test_media, false },
     { "scene_file", test_scene_file, false },

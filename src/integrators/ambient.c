@@ -7,17 +7,30 @@
  *             the open, light is lost, and the estimate is too bright.
  * Departs     By colour channel. Mirrors and clear glass hand light on: they are in neither A nor
  *             R. R is at most R_MOST: a room in which nothing is absorbed would be bright without
- *             bounds. Environment lights are not in Phi: theirs is the light of a large sphere,
- *             most of which misses; a method that does not ask them adds their mean radiance.
+ *             bounds.
+ * Sky         Environment lights are not in Phi: theirs is the light of a large sphere, most of
+ *             which misses. Instead the eye looks round, before it more than beside it, at SEEN
+ *             points; their mean irradiance by the sky over pi is S, and of the cosine-weighted
+ *             directions there the part that is open is o. What is reflected meets a wall again
+ *             but for that part:
+ *               L_ambient = S                      for a method that does not ask these lights
+ *                         + S q / (1 - q),  q = R (1 - o).
+ *             Inside of a ball from which a cap is cut off that is the truth, as the form factors
+ *             of all its points are the same. Without a camera, or with nothing in sight, S is the
+ *             mean radiance and o is 1.
  * Measured    Of each shape whose material has textures at POINTS points, else at one; for each at
  *             four angles, at which the squared cosine is even. Parts of instances by the mean
  *             scale of their maps, as they stand at time 0. */
 #include "integrators/ambient.h"
 
 #include "base/maths.h"
+#include "integrators/beam.h"
+#include "sampling/warp.h"
+
+#include <string.h>
 
 #define R_MOST 0.98
-enum { POINTS = 64, ANGLES = 4 };
+enum { POINTS = 64, ANGLES = 4, SEEN = 512, ASKED = 16 };
 
 /* Sums: area, and area times reflectance. */
 static void add(Walls *w, const Walls *part, double scale)
@@ -164,11 +177,103 @@ Walls ambient_walls(const Scene *s)
     return w;
 }
 
+/* ---- the sky ---- */
+
 /* Of a sky of radiance L everywhere, the power is 4 pi L times the area of the sphere's disc. */
-static Rgb mean_radiance(const Scene *s, const Light *l)
+static Rgb mean_radiance(const Scene *s)
 {
     Stage stage = stage_of(s);
-    return rgb_scale(l->kind->power(l), 0.25f * INV_PI * stage_pdf_a(&stage));
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < s->ninfinite; i++)
+        sum = rgb_add(sum, s->infinite[i]->kind->power(s->infinite[i]));
+    return rgb_scale(sum, 0.25f * INV_PI * stage_pdf_a(&stage));
+}
+
+/* Sums over points: irradiance by the sky over pi, and the open part of all directions. */
+typedef struct { double sky[3], open; int n; } Outlook;
+
+/* Number k of the points that are seen. */
+static void look_up(Outlook *out, const Scene *s, const Vertex *v, uint32_t medium, int k,
+                    Tracer *t)
+{
+    V3 up = v_dot(v->s.ng, frame_out(&v->frame, v->wo)) < 0.0f ? v_neg(v->s.ng) : v->s.ng;
+    Frame f = frame_about(up);
+
+    for (int j = 0; j < ASKED; j++) {
+        V2 u = place(k * ASKED + j);
+        Ray r = vertex_ray(v, frame_out(&f, warp_cosine(u)));
+        out->open += tracer_blocked(t, &r) ? 0.0 : 1.0 / ASKED;
+        for (size_t i = 0; i < s->ninfinite; i++) {
+            LightSample ls;
+            float cosine;
+            Rgb c;
+            if (!s->infinite[i]->kind->sample(s->infinite[i], v->s.p, u, &ls))
+                continue;
+            cosine = v_dot(up, ls.wi);
+            r = shadow_ray(&v->s, &ls);
+            c = rgb_scale(ls.L, cosine / (ls.pdf_w * PI_F * ASKED));
+            if (cosine > 0.0f &&
+                tracer_passes(t, &r, medium_beyond(&v->s, ls.wi, medium), &c)) {
+                out->sky[0] += c.r;
+                out->sky[1] += c.g;
+                out->sky[2] += c.b;
+            }
+        }
+    }
+    out->n++;
+}
+
+/* From where the camera stands, at time 0. */
+static Outlook look_round(const Scene *s)
+{
+    Outlook out = { { 0.0, 0.0, 0.0 }, 0.0, 0 };
+    Frame f;
+    Tracer t;
+
+    memset(&t, 0, sizeof t);
+    t.scene = s;
+    f = frame_about(v_unit(affine_vector(&s->camera->to_world, v3(0, 0, 1))));
+    for (int k = 0; k < SEEN; k++) {
+        Ray r = { .o = affine_point(&s->camera->to_world, v_all(0.0f)), .tmax = INFINITY };
+        Vertex v;
+        Beam b;
+        r.d = frame_out(&f, warp_cosine(place(k)));
+        b = beam_from_eye(&r, s);
+        if (!beam_meets(&b, &v.s, &t))
+            continue;
+        vertex_make(&v, s, b.ray.d);
+        if (vertex_is_smooth(&v))
+            look_up(&out, s, &v, b.medium, k, &t);
+    }
+    return out;
+}
+
+static float reflected(double R, double open)
+{
+    double q = d_min(R, R_MOST) * (1.0 - open);
+    return (float)(q / (1.0 - q));
+}
+
+/* all: with what arrives straight from the sky. */
+static Rgb from_sky(const Scene *s, const Walls *w, bool all)
+{
+    Outlook out = { { 0.0, 0.0, 0.0 }, 0.0, 0 };
+    Rgb sky, more;
+    float n;
+
+    if (!s->ninfinite)
+        return rgb_all(0.0f);
+    if (s->camera)
+        out = look_round(s);
+    if (!out.n)
+        return all ? mean_radiance(s) : rgb_all(0.0f);
+    n = (float)out.n;
+    sky = rgb((float)out.sky[0] / n, (float)out.sky[1] / n, (float)out.sky[2] / n);
+    more = rgb_mul(sky, rgb(reflected(w->reflectance[0], out.open / out.n),
+                            reflected(w->reflectance[1], out.open / out.n),
+                            reflected(w->reflectance[2], out.open / out.n)));
+    return all ? rgb_add(sky, more) : more;
 }
 
 static float indirect(double phi, double R, double area)
@@ -179,23 +284,19 @@ static float indirect(double phi, double R, double area)
 
 Rgb ambient_light(const Scene *s, const Opts *o, bool sky)
 {
-    Rgb phi = rgb_all(0.0f), beyond = rgb_all(0.0f), sum;
+    Rgb phi = rgb_all(0.0f), sum;
     Walls w;
 
     if (opt_is(o, "ambient", "none"))
         return phi;
     if (opt_is(o, "ambient", "constant"))
         return opt_rgb(o, "L0");
-    for (size_t i = 0; i < s->nlights; i++) {
-        const Light *l = s->lights[i];
-        if (!l->kind->infinite)
-            phi = rgb_add(phi, l->kind->power(l));
-        else if (sky)
-            beyond = rgb_add(beyond, mean_radiance(s, l));
-    }
+    for (size_t i = 0; i < s->nlights; i++)
+        if (!s->lights[i]->kind->infinite)
+            phi = rgb_add(phi, s->lights[i]->kind->power(s->lights[i]));
     w = ambient_walls(s);
-    sum = rgb_add(beyond, rgb(indirect(phi.r, w.reflectance[0], w.area),
-                              indirect(phi.g, w.reflectance[1], w.area),
-                              indirect(phi.b, w.reflectance[2], w.area)));
+    sum = rgb_add(from_sky(s, &w, sky), rgb(indirect(phi.r, w.reflectance[0], w.area),
+                                            indirect(phi.g, w.reflectance[1], w.area),
+                                            indirect(phi.b, w.reflectance[2], w.area)));
     return rgb_finite(sum) ? sum : rgb_all(0.0f);
 }

@@ -210,7 +210,8 @@ static const OptDef options[] = {
       .help = "asked at each point: one by lightsampler; each; the brightest and a guess at the "
               "rest (biased); the brightest and one of the rest" },
     { .key = "tolerance", .type = OPT_FLOAT, .num = 0.1, .lo = 0, .hi = 1,
-      .help = "part of the light that ward and shirley leave to the rest" },
+      .help = "part of the light that ward and shirley leave to the rest; at 0.1 pixels by ward "
+              "were off by 0.4 and 2 % in two scenes, at 0.4 by 8 and 2 %" },
     { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = SIR_MOST,
       .help = "ris, sir: samples without shadow rays; of ris at most 256" },
     { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = SIR_MOST,

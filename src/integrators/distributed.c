@@ -262,7 +262,7 @@ static bool open_lights(Distributed *it, const Scene *s, const char *name)
 
 static Integrator *open_distributed(const Scene *s, const Opts *o)
 {
-    Distributed *it = MEM_NEW(Distributed);
+    Distributed *it = warn_of_scattering(s, "distributed") ? MEM_NEW(Distributed) : NULL;
 
     if (!it)
         return NULL;

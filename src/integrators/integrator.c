@@ -1,6 +1,8 @@
 /* integrator.c -- the list of integrators and what they share. See integrator.h. */
 #include "integrators/integrator.h"
 
+#include "base/error.h"
+
 #define INTEGRATORS(X)                                                         \
     X(path)                     /* eye paths */                                \
     X(whitted)                  /* trees of mirror images, no noise */         \
@@ -14,3 +16,13 @@ const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
 const char *const strategy_names[STRATEGIES] = { "implicit", "explicit" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
+
+bool warn_of_scattering(const Scene *s, const char *method)
+{
+    for (size_t i = 0; i < s->nmedia; i++)
+        if (!rgb_black(s->media[i].scattering))
+            return warn_at((Place){ NULL, 0, 0 }, "%s leaves out the light that media scatter, "
+                           "here the medium '%s'; path and direct show it", method,
+                           s->media[i].name);
+    return true;
+}

@@ -123,4 +123,8 @@ struct Integrator {             /* first member of every concrete one */
 extern const IntegratorKind *const integrators[];       /* ends with NULL */
 #define INTEGRATOR_DEFAULT "path"
 
+/* For methods that leave out the light that media scatter: says so if there is such a medium.
+ * False: warnings are fatal. */
+bool warn_of_scattering(const Scene *s, const char *method);
+
 #endif

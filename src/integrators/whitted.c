@@ -130,7 +130,7 @@ static void close_whitted(Integrator *base)
 
 static Integrator *open_whitted(const Scene *s, const Opts *o)
 {
-    Whitted *it = MEM_NEW(Whitted);
+    Whitted *it = warn_of_scattering(s, "whitted") ? MEM_NEW(Whitted) : NULL;
 
     if (!it || !centres_init(&it->lights, s)) {
         mem_free(it);

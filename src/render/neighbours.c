@@ -14,9 +14,14 @@
  *             around it suggest. Are these no more than FINISH times 2^k a pixel, then the colour's
  *             counts are final; else there is a round k + 1.
  * Spikes      Where noise is made of rare bright samples, those met so far say little about where
- *             the next will fall. So counts follow the mean of the roots of Q around a pixel, and
- *             SHARED of their squares' mean goes to all. For the same reason V is taken from pixels
- *             whose counts did not follow from their own Q: else it would come out too low.
+ *             the next will fall. So counts follow the mean of the roots of Q around a pixel, and a
+ *             share of their squares' mean goes to all: that of a few shares by which the pixels
+ *             looked at, had they what those around them suggest, would have the least product of
+ *             samples and variance. For the same reason V is taken from pixels whose counts did
+ *             not follow from their own Q: else it would come out too low.
+ * Margin      Whoever stops when V is low enough for the first time stops too early: spikes not yet
+ *             met are not in V. So MARGIN standard errors of the sum of V are added to it, as the
+ *             V of the pixels tell them.
  * Truth       Unbiased, exactly. Counts of black pixels are a function of the first 2^k samples, k
  *             = 1, 2, ..., of white ones, whether or not those are in the picture, and of nothing
  *             else. The subtle part is that "whether or not": black may want another round when
@@ -33,7 +38,7 @@
  *             show where counts double. */
 #include "render/adaptive.h"
 
-static const double SHARED = 0.1;
+static const double MARGIN = 2;
 enum { FINISH = 2, MORE = 4, APART = 64, TURNS = 30, LAST = 26 };
 
 /* What the other colour's first 2^k samples say of the picture. */
@@ -97,7 +102,8 @@ static double deviation_around(const Adaptive *a, int colour, int k, const Outlo
 
 /* ---- how many ---- */
 
-typedef struct { double samples, variance, pixels; } Sum;
+/* squares: of the pixels' variances. */
+typedef struct { double samples, variance, squares, pixels; } Sum;
 
 /* Doublings above 2^k of a pixel that is `wish` octaves above it. */
 static int doublings(double wish, int most)
@@ -112,23 +118,57 @@ static int doublings(double wish, int most)
  * yet. */
 static Sum spend(const Adaptive *a, int colour, int k, double c, int most)
 {
-    Sum s = { 0, 0, 0 };
+    Sum s = { 0, 0, 0, 0 };
 
     for (uint32_t i = 0; i < a->n; i++)
         if (looks_at(a, colour, i % a->film->w, i / a->film->w)) {
             int j = doublings((double)a->room[2 * i] + c, most);
+            double v;
             s.samples += (double)((uint32_t)1 << (k + j));
-            s.variance += (double)a->room[2 * i + 1] / (double)(1 << j);
+            v = (double)a->room[2 * i + 1] / (double)(1 << j);
+            s.variance += v;
+            s.squares += v * v;
             s.pixels++;
         }
     return s;
+}
+
+/* Octaves of the wish of a pixel whose expected deviation has the square d2, but for what all have
+ * in common. floor: what goes to all. */
+static float wish(float d2, double floor_of_all, double slope)
+{
+    float v = d2 + (float)floor_of_all;
+    return v > 0 ? m_log2(v) / (float)(1 + slope) : -1e9f;
+}
+
+/* The share of the mean square that goes to all. mean: that square of the pixels looked at. */
+static double best_share(const Adaptive *a, int colour, double mean, double slope)
+{
+    static const double shares[] = { 0.1, 0.4, 1.6, 6.4, 1e6 };
+    double best = shares[0], least = INFINITY;
+
+    for (size_t k = 0; k < sizeof shares / sizeof shares[0] && mean > 0; k++) {
+        double samples = 0, variance = 0;
+        for (uint32_t i = 0; i < a->n; i++)
+            if (looks_at(a, colour, i % a->film->w, i / a->film->w)) {
+                double n = (double)m_exp(0.6931472f * wish(a->room[2 * i] / (float)mean,
+                                                          shares[k], slope));
+                samples += n;
+                variance += (double)a->room[2 * i + 1] / n;
+            }
+        if (samples * variance < least) {
+            least = samples * variance;
+            best = shares[k];
+        }
+    }
+    return best;
 }
 
 /* All pixels' wishes, in octaves but for what they have in common, and the variances of those that
  * the colour looks at. */
 static void fill_room(Adaptive *a, int colour, int k, const Outlook *o)
 {
-    double slope = -(double)m_log2((float)o->left), mean = 0, n = 0;
+    double slope = -(double)m_log2((float)o->left), mean = 0, n = 0, shared;
 
     for (uint32_t i = 0; i < a->n; i++) {
         uint32_t x = i % a->film->w, y = i / a->film->w;
@@ -140,11 +180,12 @@ static void fill_room(Adaptive *a, int colour, int k, const Outlook *o)
             n++;
         }
     }
+    mean /= n;
+    shared = best_share(a, colour, mean, slope) * mean;
     for (uint32_t i = 0; i < a->n; i++) {
         uint64_t x = i % a->film->w + a->film->x0, y = i / a->film->w + a->film->y0;
-        float v = a->room[2 * i] + (float)(SHARED * mean / n);
-        a->room[2 * i] = v > 0 ? m_log2(v) / (float)(1 + slope) +
-                                 unit_of((uint32_t)draw64(key_with(0, y), x)) : -1e9f;
+        a->room[2 * i] = wish(a->room[2 * i], shared, slope) +
+                         unit_of((uint32_t)draw64(key_with(0, y), x));
     }
 }
 
@@ -152,7 +193,7 @@ static void fill_room(Adaptive *a, int colour, int k, const Outlook *o)
 static bool enough(const Adaptive *a, const Sum *s, const Outlook *o, double mean)
 {
     double allowed = a->error * o->mean;
-    return a->error > 0 ? s->variance <= allowed * allowed * s->pixels
+    return a->error > 0 ? s->variance + MARGIN * sqrt(s->squares) <= allowed * allowed * s->pixels
                         : s->samples >= mean * s->pixels;
 }
 
@@ -260,6 +301,6 @@ static const OptDef options[] = { ADAPTIVE_LEAST, { .key = NULL } };
 
 const AdaptiveKind adaptive_neighbours = {
     .info = { "neighbours", "Kirk91; Cline07 5.5", "pixels of one colour by those of the other, as "
-              "on a chessboard", options },
+              "on a chessboard; pictures had at most 1.1 X where --error X stopped them", options },
     .truth = UNBIASED, .start = start, .plan = plan
 };

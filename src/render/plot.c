@@ -327,23 +327,75 @@ static void legend(Out *o, const PlotPanel *p)
     }
 }
 
-bool plot_write(const char *path, const char *title, const PlotPanel *panels, int npanels)
+/* The beginning of a file, on white. */
+static Out *svg_open(const char *path, double w, double h)
 {
     Out *o = out_open(path);
-    double w = npanels * PANEL_W, h = PANEL_H + ROW * (panels[0].ncurves + 1);
 
     if (!o)
-        return false;
+        return NULL;
     out_text(o, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                 "<svg xmlns=\"http://www.w3.org/2000/svg\"");
     attribute(o, "width", w);
     attribute(o, "height", h);
     out_text(o, " font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\">\n"
                 "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
+    return o;
+}
+
+static bool svg_close(Out *o)
+{
+    out_text(o, "</svg>\n");
+    return out_close(o);
+}
+
+bool plot_write(const char *path, const char *title, const PlotPanel *panels, int npanels)
+{
+    double w = npanels * PANEL_W, h = PANEL_H + ROW * (panels[0].ncurves + 1);
+    Out *o = svg_open(path, w, h);
+
+    if (!o)
+        return false;
     text_at(o, LEFT, 26, " font-size=\"15\" font-weight=\"bold\"", title);
     for (int i = 0; i < npanels; i++)
         panel(o, &panels[i], i * PANEL_W);
     legend(o, &panels[0]);
-    out_text(o, "</svg>\n");
-    return out_close(o);
+    return svg_close(o);
+}
+
+/* ---- sets of points ---- */
+
+enum { SQUARE = 200, GAP = 30 };
+
+static void square(Out *o, const PlotPoints *p, double left, double top)
+{
+    text_at(o, left, top - 8, " font-size=\"11\"", p->title);
+    for (int i = 0; i <= p->columns; i++) {
+        double x = left + (double)i * SQUARE / p->columns;
+        line_at(o, x, top, x, top + SQUARE, i % p->columns ? " stroke=\"#dddddd\""
+                                                           : " stroke=\"#444444\"");
+    }
+    for (int i = 0; i <= p->rows; i++) {
+        double y = top + (double)i * SQUARE / p->rows;
+        line_at(o, left, y, left + SQUARE, y, i % p->rows ? " stroke=\"#dddddd\""
+                                                          : " stroke=\"#444444\"");
+    }
+    for (int i = 0; i < p->n; i++) {
+        out_text(o, "<circle r=\"2.5\"");
+        attribute(o, "cx", left + SQUARE * (double)p->xy[2 * i]);
+        attribute(o, "cy", top + SQUARE * (1 - (double)p->xy[2 * i + 1]));
+        out_text(o, "/>\n");
+    }
+}
+
+bool plot_write_points(const char *path, const PlotPoints *sets, int nsets, int across)
+{
+    int pitch = SQUARE + GAP, down = (nsets + across - 1) / across;
+    Out *o = svg_open(path, GAP + across * pitch, GAP + down * (pitch + 10));
+
+    if (!o)
+        return false;
+    for (int k = 0; k < nsets; k++)
+        square(o, &sets[k], GAP + k % across * pitch, GAP + k / across * (pitch + 10));
+    return svg_close(o);
 }

@@ -1,4 +1,5 @@
-/* plot.h -- curves on logarithmic axes, as an SVG picture: error against samples, against time. */
+/* plot.h -- SVG pictures: curves on logarithmic axes (error against samples, against time), and
+ * sets of points in the unit square. */
 #ifndef RENDER_PLOT_H
 #define RENDER_PLOT_H
 
@@ -23,5 +24,15 @@ typedef struct {
 /* One file with the panels side by side, the legend of the first below them. False: reported,
  * nothing is written. */
 bool plot_write(const char *path, const char *title, const PlotPanel *panels, int npanels);
+
+/* Points of [0,1)^2, y upwards, over a grid of columns x rows lines. All is borrowed. */
+typedef struct {
+    const char  *title;
+    const float *xy;                    /* x and y in turn */
+    int          n, columns, rows;
+} PlotPoints;
+
+/* One file with the squares in rows of `across`. False: reported, nothing is written. */
+bool plot_write_points(const char *path, const PlotPoints *sets, int nsets, int across);
 
 #endif

@@ -90,6 +90,8 @@ typedef struct {
 
 /* Command line before scene file before defaults. Fills the camera's film size. False: reported. */
 bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f);
+/* A part of that: the policy, for the integrator that s has. Text of options goes to the arena. */
+bool settings_adaptive(RenderSettings *s, const RenderRequest *q, Arena *arena);
 /* Sees to it that the scene has a camera (a bare mesh gets a sky too). False: reported. */
 bool settings_camera(SceneFile *f);
 /* The file name that the scene gives for its picture, or NULL. Borrowed from f. */

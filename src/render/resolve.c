@@ -175,13 +175,13 @@ static const char *sampler_stand_in(Setting *s)
 
 /* Without a word about it: with an error to reach the default, else all pixels alike. Not every
  * integrator has pixels that can stop. */
-static bool resolve_adaptive(RenderSettings *s, const RenderRequest *q, SceneFile *f)
+bool settings_adaptive(RenderSettings *s, const RenderRequest *q, Arena *arena)
 {
     bool can = s->integrator->radiance != NULL;
 
     if (q->adaptive)
         s->adaptive = kind_from_text(adaptives, "adaptive policy", q->adaptive, &s->adaptive_opts,
-                                     &f->arena);
+                                     arena);
     else {
         s->adaptive = q->error > 0 && can ? kind_find(adaptives, ADAPTIVE_DEFAULT) : &adaptive_none;
         opts_default(&s->adaptive_opts, s->adaptive->info.options);
@@ -219,7 +219,7 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
         return false;
     s->accel = resolve(accels, "accelerator", q->accel, &f->accelerator, ACCEL_DEFAULT,
                        &s->accel_opts, &f->arena);
-    if (!s->accel || !resolve_adaptive(s, q, f) || !resolve_film(s, q, f))
+    if (!s->accel || !settings_adaptive(s, q, &f->arena) || !resolve_film(s, q, f))
         return false;
     for (; s->naovs < q->naovs; s->naovs++)
         if (!aov_parse(&s->aovs[s->naovs], q->aovs[s->naovs]))

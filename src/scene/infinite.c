@@ -216,7 +216,8 @@ static const OptDef options[] = {
     { .key = "lights", .type = OPT_INT, .num = 64, .lo = 1, .hi = 4096,
       .help = "mediancut: regions, rounded up to a power of two" },
     { .key = "jitter", .type = OPT_BOOL, .num = 1,
-      .help = "mediancut: anywhere in a region; false: in its middle, fixed and biased" },
+      .help = "mediancut: anywhere in a region; false: in its middle, fixed, without noise but "
+              "biased: 64 lights by 1.5 % in the pixels of a floor, 16 by 5.5 %" },
     { .key = "portal", .type = OPT_NUMBERS, .help = "left out: the light is the same without it" },
     { .key = "samples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e9, .also = "nsamples",
       .help = "read for old scene files, without effect" },
