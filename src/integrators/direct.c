@@ -15,11 +15,13 @@
 
 #include "base/mem.h"
 #include "integrators/event.h"
+#include "integrators/twostage.h"
 
 #define STRATEGIES_OF_DIRECT(X)                                                \
     X(uniform)                  /* directions all alike */                     \
     X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
-    X(ris)                      /* many tentatively, few of them looked at */
+    X(ris)                      /* many tentatively, few of them looked at */  \
+    X(twostage)                 /* the sky by its product with the surface */
 #define DECLARE(name) extern const DirectStrategy direct_##name;
 #define ENTRY(name) &direct_##name,
 STRATEGIES_OF_DIRECT(DECLARE)
@@ -195,12 +197,15 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "uniform brdf light mis ris",
-      .help = "directions all alike, by the surface, by lights, by both, or resampled" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
+      .choices = "uniform brdf light mis ris twostage",
+      .help = "directions all alike, by the surface, by lights, by both; resampled; twostage: of "
+              "the sky by its product with the surface, of other lights as mis (all of them, if "
+              "there is no picture or constant beyond the scene)" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
-      .help = "samples of lights at each point (light, mis)" },
+      .help = "samples of lights at each point (light, mis; twostage: of those beside the sky)" },
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
-      .help = "directions from each point (uniform, brdf, mis)" },
+      .help = "directions from each point (uniform, brdf, mis; twostage: to other lights)" },
     LIGHTING_HEURISTIC,
     LIGHTING_LIGHTSAMPLER,
     { .key = "lights", .type = OPT_CHOICE, .str = "chosen", .choices = "chosen all ward shirley",
@@ -210,8 +215,10 @@ static const OptDef options[] = {
       .help = "part of the light that ward and shirley leave to the rest" },
     { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = TENTATIVE_MOST,
       .help = "ris: samples without shadow rays" },
-    { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = TENTATIVE_MOST,
-      .help = "ris: how many of them are kept" },
+    { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = 65536,
+      .help = "ris: how many of them are kept; twostage: directions to the sky" },
+    TWOSTAGE_SPLITS(0),
+    TWOSTAGE_PEAKS,
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "ris: part of the tentative samples that go by lights, the others by the surface" },
     { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
