@@ -6,7 +6,9 @@
  *             point of one. Each path that both ways can make is weighted by the heuristic on the
  *             two densities per solid angle, so that the weights of a path sum to 1. Or one
  *             connection is kept of many candidates by both ways, see resample.c, and implicit
- *             paths count only where there was none to make: after delta events.
+ *             paths count only where there was none to make: after delta events. Or the sky has a
+ *             connection of its own at each vertex, see twostage.h, and is met only after delta
+ *             events; other lights go by both ways then.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -17,6 +19,7 @@
 #include "base/mem.h"
 #include "integrators/event.h"
 #include "integrators/lighting.h"
+#include "integrators/twostage.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
 
@@ -30,6 +33,8 @@ typedef struct {
     int   roulette;             /* first bounce that may end the path */
     bool  resamples;            /* explicit paths are resampled: */
     Resampling resampling;
+    bool  maps;                 /* the sky is asked by its map: */
+    TwoStage two;               /* owned, if so; `lights` is that of its others then */
 } Path;
 
 /* The path so far: what the next vertex needs to know of the last one. */
@@ -58,7 +63,7 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
 
     if (it->ways == IMPLICIT || e->pdf_w == 0.0f)
         return 1.0f;            /* no other way could have made it */
-    if (it->ways == EXPLICIT)
+    if (it->ways == EXPLICIT || (it->maps && l == it->two.light))
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
           l->kind->pdf_w(l, e->p, e->ray.d, hit);
@@ -213,6 +218,23 @@ static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t,
     return connect_resampled(it, e, &u, t, to);
 }
 
+/* The connection to the sky by its map, beside that to another light; v NULL: in a medium. */
+static bool connect_to_sky(const Path *it, const Eye *e, const Vertex *v, V3 p, Tracer *t,
+                           Connection *to)
+{
+    Turn u = v ? turn_on(v, e->ray.d, e->medium, e->depth)
+               : turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    Partition part;
+    Candidate c;
+
+    if (!twostage_partition(&it->two, &u, 1, t, &part) ||
+        !twostage_candidate(&it->two, &part, &u,
+                            sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->depth)), 1.0f, &c))
+        return false;
+    *to = (Connection){ c.ray, rgb_mul(e->throughput, c.c), e->depth + 2, c.medium, false };
+    return true;
+}
+
 /* ---- implicit paths ---- */
 
 /* One scattering event more. False: roulette ends the path. */
@@ -288,8 +310,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
-        Connection to;
-        bool connects, goes_on;
+        Connection to, sky;
+        bool connects, shows_sky, goes_on;
         Event event = next_event(&e, &v.s, &p, t);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
@@ -302,13 +324,17 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             vertex_make(&v, scene, e.ray.d);
             connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
                        connect_any(it, &e, &v, t, &to);
+            shows_sky = it->maps && vertex_is_smooth(&v) && connect_to_sky(it, &e, &v, p, t, &sky);
             goes_on = scatter(it, &e, &v, t);
         } else {
             connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
+            shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
             goes_on = scatter_in_medium(it, &e, p, t);
         }
         if (connects)
             sum = rgb_add(sum, connection_light(&to, t));
+        if (shows_sky)
+            sum = rgb_add(sum, connection_light(&sky, t));
         if (!goes_on)
             return sum;
     }
@@ -316,8 +342,23 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
 static void close_path(Integrator *base)
 {
-    lighting_clear(&((Path *)base)->lighting);
-    mem_free(base);
+    Path *it = (Path *)base;
+
+    lighting_clear(&it->lighting);
+    twostage_clear(&it->two);
+    mem_free(it);
+}
+
+/* By the light's map, if there is a light that has one. */
+static bool open_map(Path *it, const Scene *s, const Opts *o)
+{
+    if (!opt_is(o, "strategy", "twostage"))
+        return true;
+    if (!twostage_init(&it->two, s, o, false))
+        return false;
+    it->maps = it->two.light != NULL;
+    it->lights = it->two.others.lights;
+    return true;
 }
 
 static Integrator *open_path(const Scene *s, const Opts *o)
@@ -339,7 +380,7 @@ static Integrator *open_path(const Scene *s, const Opts *o)
         return NULL;
     }
     it->lights = it->lighting.lights;
-    if (it->ways == IMPLICIT && !lighting_warn_of_deltas(s, "implicit")) {
+    if ((it->ways == IMPLICIT && !lighting_warn_of_deltas(s, "implicit")) || !open_map(it, s, o)) {
         close_path(&it->base);
         return NULL;
     }
@@ -349,9 +390,10 @@ static Integrator *open_path(const Scene *s, const Opts *o)
 static const OptDef options[] = {
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris",
-      .help = "how paths are completed: by meeting lights, by asking for them, by both, or by one "
-              "of many candidates" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris twostage",
+      .help = "how paths are completed: by meeting lights, by asking for them, by both; by one of "
+              "many candidates; twostage: asking the sky by its product with the surface, other "
+              "lights as mis (all of them, if no picture or constant is beyond the scene)" },
     LIGHTING_HEURISTIC,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
@@ -360,6 +402,8 @@ static const OptDef options[] = {
       .help = "strategy=ris: candidates without shadow rays, of which one is kept" },
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "strategy=ris: part of the candidates that go by lights, the others by the surface" },
+    TWOSTAGE_SPLITS(16),
+    TWOSTAGE_PEAKS,
     { .key = NULL }
 };
 
