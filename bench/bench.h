@@ -17,6 +17,7 @@ void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_adaptive(void);      /* figure 5.9 of [Cline07]: samples alike and where wanted */
 void bench_direct(void);        /* figure 4.10 of the document, many lights, equal time */
 void bench_twostage(void);      /* chapter 5: cost, figures 5.8 and 5.9, table 5.1 */
+void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */

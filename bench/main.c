@@ -15,7 +15,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "arity", bench_arity }, { "adaptive", bench_adaptive }, { "zoneplate", bench_zoneplate },
     { "jitter", bench_jitter },
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
-    { "direct", bench_direct }, { "twostage", bench_twostage },
+    { "direct", bench_direct }, { "twostage", bench_twostage }, { "triple", bench_triple },
 };
 
 static void machine(void)

@@ -27,6 +27,7 @@
     X(physics_exact) X(physics_weights) X(lights) X(panorama) X(emission) X(lightsampling) \
     X(partition) X(twostage) X(direct) X(cameras) X(driver) X(adaptive) X(film) X(filters) X(motion) \
     X(cameras_we) \
+    X(visibility) X(triple) \
     X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \

@@ -58,7 +58,7 @@ typedef struct {
     const Param *param;         /* the typed parameter it came from, or NULL */
 } OptValue;
 
-enum { OPT_MAX = 24 };          /* most options of one kind */
+enum { OPT_MAX = 40 };          /* most options of one kind */
 typedef struct { const OptDef *defs; OptValue value[OPT_MAX]; } Opts;
 
 void opts_default(Opts *o, const OptDef *defs);
