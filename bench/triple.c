@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 160, LOOKS = 4, METHODS_MOST = 8, ROUNDS = 3 };
+enum { SIDE = 128, LOOKS = 3, METHODS_MOST = 8, ROUNDS = 2 };
 
 typedef struct { const char *label, *integrator; } Method;
 
@@ -146,16 +146,16 @@ static void draw(const char *name, const Method *m, const Result *r, int n)
 /* m[0] is two stage, by which all are measured. */
 static void figure(const char *name, const char *scene, const Method *m, int n)
 {
-    const char *triple = "direct:strategy=triple,samples=64,maxdepth=1";
-    const char *mis = "direct:strategy=twostage,samples=64,maxdepth=1";
+    const char *triple = "direct:strategy=triple,samples=32,maxdepth=1";
+    const char *two = "direct:strategy=twostage,samples=32,maxdepth=1";
     Result r[METHODS_MOST];
     RenderReport report;
     Reference t;
     bool ok;
 
     memset(&t, 0, sizeof t);
-    ok = bench_render(scene, triple, NULL, SIDE, 64, processors(), 1001, &t.r, &report) &&
-         bench_render(scene, mis, NULL, SIDE, 64, processors(), 1002, &t.q, &report) &&
+    ok = bench_render(scene, triple, NULL, SIDE, 32, processors(), 1001, &t.r, &report) &&
+         bench_render(scene, two, NULL, SIDE, 32, processors(), 1002, &t.q, &report) &&
          split_dark(&t);
     for (int i = 0; ok && i < n; i++) {
         ok = measure(scene, &m[i], &t, &r[i]);
