@@ -21,7 +21,7 @@ enum { SIDE = 128, LOOKS = 3, METHODS_MOST = 8, ROUNDS = 2 };
 
 typedef struct { const char *label, *integrator; } Method;
 
-/* At 1, 2, 4 ... samples a pixel: seconds, and squared errors of all pixels and of the dark ones. */
+/* At 1, 2, 4 ... samples a pixel: seconds, squared errors of all pixels and of the dark ones. */
 typedef struct { double seconds[LOOKS], error[2][LOOKS], mean; } Result;
 
 typedef struct {

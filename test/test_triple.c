@@ -3,10 +3,10 @@
  * Toy         an integral over the square whose map is wrong: the estimate is right for any zones,
  *             n, a and size, and where all is said to be occluded. Errata 6.0 to 6.2.
  * Pictures    a sky without shadows, a room with a hole, thin bars: every unbiased variant gives
- *             what path tracing gives, by tiles, with other lights, mirrors, media and bumps beside.
+ *             what other strategies give, by tiles; with other lights, mirrors and media beside.
  * Biased      how far off the others are: little, and to the dark side.
  * Pays        less noise than two stage sampling with as many samples, made beforehand or learned.
- * Bytes       the same for 1, 2 and 5 threads, for windows, a pixel, one sample, and by policies. */
+ * Bytes       the same for 1, 2 and 5 threads, for windows, a pixel, one sample, by policies. */
 #include "base/random.h"
 #include "lightsampling/visibility.h"
 #include "test/pictures.h"
@@ -166,7 +166,8 @@ static void room(void)
     lab_clear(&l);
 }
 
-/* The same with more of everything, for a long run. */
+/* The same with more of everything, for a long run. Numbers of the sampler that are spread over a
+ * pixel's samples, and maps that learn from the pixels around, must not find each other. */
 static void room_long(void)
 {
     static const Way ways[] = {

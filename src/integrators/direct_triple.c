@@ -1,4 +1,4 @@
-/* direct_triple.c -- direct light by triple product sampling: by the light of the sky, the surface's
+/* direct_triple.c -- direct light by triple product sampling: by light of the sky, the surface's
  * factor, and what is known of what lies between.
  *
  * Source      [Cline07 6] with errata 6.0 to 6.3.

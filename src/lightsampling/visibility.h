@@ -16,7 +16,7 @@
  *             spreading the samples of a pixel, can make an unbiased estimate biased. (A picture of
  *             one pixel learns nothing.) Since borders of tiles are barriers, the pixels of a
  *             window (--crop) are not quite those of the whole picture.
- * Memory      size^2 / 4 bytes a map: 64 by default, so a byte a pixel for maps made beforehand, and
+ * Memory      size^2 / 4 bytes a map: 64 by default, so a byte a pixel for maps made before, and
  *             8 bytes a pixel for what is learned (two colours, nine maps a tile of 16 x 16; pages
  *             that nothing is learned on are never touched). visibility_bytes has the sum. */
 #ifndef LIGHTSAMPLING_VISIBILITY_H
