@@ -154,19 +154,21 @@ static bool turn_at(const Triple *own, uint32_t k, Vertex *v, Turn *u, Tracer *t
 {
     const Camera *c = t->scene->camera;
     Rgb left = rgb_all(1.0f);
-    uint32_t x, y;
+    uint32_t x, y, medium = t->scene->around;
     Ray r;
+    V3 eye;
 
     visibility_place(&own->seen, k, &x, &y);
     r = c->kind->ray(c, (V2){ (float)x + 0.5f, (float)y + 0.5f }, (V2){ 0.5f, 0.5f },
                      scene_time(t->scene, 0.5f));
-    if (!ray_sees(t, &r, t->scene->around, &v->s, &left))
+    eye = r.o;
+    if (!ray_meets(t, &r, &medium, &left, &v->s))
         return false;
-    v->s.width = v_len(v_sub(v->s.p, r.o)) * t->spread;
+    v->s.width = v_len(v_sub(v->s.p, eye)) * t->spread;
     vertex_make(v, t->scene, r.d);
     if (!vertex_is_smooth(v))
         return false;
-    *u = turn_on(v, r.d, t->scene->around, 0);
+    *u = turn_on(v, r.d, medium, 0);
     return true;
 }
 
