@@ -44,6 +44,7 @@ static const Way ways[] = {
     { "direct:strategy=ris,tentative=16,samples=2,lightshare=0", 1, 3, 0 },
     { "direct:strategy=ris,tentative=8,samples=2,occlusion=directions", 1, 1, 0 },
     { "direct:strategy=twostage,samples=4", 1, 1, 0 },
+    { "direct:strategy=triple,samples=4", 1, 1, 2 },
     { "direct:strategy=cut,points=1000,clusters=32,rays=16,samples=2", 1, 2, 0 },
     { "direct:strategy=sir,points=1000,tentative=16,samples=4", 1, 2, 1 },
     { "path:maxdepth=1", 2, 1, 2 },

@@ -16,12 +16,14 @@
 #include "base/mem.h"
 #include "integrators/event.h"
 #include "integrators/twostage.h"
+#include "lightsampling/visibility.h"
 
 #define STRATEGIES_OF_DIRECT(X)                                                \
     X(uniform)                  /* directions all alike */                     \
     X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
     X(ris)                      /* many tentatively, few of them looked at */  \
     X(twostage)                 /* the sky by its product with the surface */  \
+    X(triple)                   /* and with what is known of shadows */         \
     X(cut) X(sir)               /* by point lights that stand for all light */
 #define DECLARE(name) extern const DirectStrategy direct_##name;
 #define ENTRY(name) &direct_##name,
@@ -138,6 +140,33 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     }
 }
 
+/* ---- before the first sample ---- */
+
+static bool prepare(Integrator *base, const Film *f, uint64_t seed)
+{
+    Direct *it = (Direct *)base;
+
+    return !it->strategy->prepare || it->strategy->prepare(it, f, seed, &it->units);
+}
+
+static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
+{
+    (void)f;
+    (void)pass;
+    (void)phase;
+    return ((Direct *)base)->units;
+}
+
+static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t)
+{
+    const Direct *it = (const Direct *)base;
+
+    (void)f;
+    (void)pass;
+    (void)phase;
+    it->strategy->run(it, unit, t);
+}
+
 /* ---- opening ---- */
 
 static void close_direct(Integrator *base)
@@ -199,11 +228,11 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 
 static const OptDef options[] = {
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
-      .choices = "uniform brdf light mis ris twostage cut sir",
-      .help = "directions all alike, by the surface, by lights, by both, or resampled; twostage: "
-              "of the sky by its product with the surface, of other lights as mis (all of them, "
-              "if there is no picture or constant beyond the scene); by point lights in "
-              "clusters, or resampled" },
+      .choices = "uniform brdf light mis ris twostage triple cut sir",
+      .help = "directions all alike, by the surface, by lights, by both; resampled; twostage: of "
+              "the sky by its product with the surface, of other lights as mis (all of them, if "
+              "there is no picture or constant beyond the scene); triple: the same with maps of "
+              "what hides the sky; cut: by point lights in clusters; sir: those resampled" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "samples of lights at each point (light, mis; twostage: of those beside the sky)" },
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
@@ -255,6 +284,21 @@ static const OptDef options[] = {
     { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
       .help = "samples of lights are points of them, wasted if hidden, or directions, in which "
               "whatever shines counts" },
+    { .key = "space", .type = OPT_CHOICE, .str = "preimage", .choices = "preimage world",
+      .help = "triple: what maps of visibility are of: the numbers that become directions, or "
+              "directions" },
+    { .key = "lazy", .type = OPT_BOOL,
+      .help = "triple: maps are not made beforehand, but of what samples find" },
+    { .key = "a", .type = OPT_FLOAT, .num = 0.5, .lo = 0.01, .hi = 1,
+      .help = "triple: part of the density in occluded texels that stays there" },
+    { .key = "biased", .type = OPT_BOOL,
+      .help = "triple: maps are believed, rays cast where they are uncertain only (biased)" },
+    { .key = "dim", .type = OPT_BOOL,
+      .help = "triple: no bright specks of light from where none was expected (biased)" },
+    { .key = "size", .type = OPT_INT, .num = 16, .lo = 1, .hi = VISIBILITY_MOST,
+      .help = "triple: texels across a map of visibility" },
+    { .key = "spacing", .type = OPT_INT, .num = 8, .lo = 1, .hi = 65536,
+      .help = "triple: pixels from map to map" },
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events, all but the last by perfect mirrors and glass" },
     { .key = NULL }
@@ -263,5 +307,6 @@ static const OptDef options[] = {
 const IntegratorKind integrator_direct = {
     .info = { "direct", "Cline07 4", "direct light, by any of many strategies", options },
     .truth = BIASED, .misses = "light scattered more than once, but for mirrors and glass",
-    .open = open_direct, .close = close_direct, .radiance = radiance
+    .open = open_direct, .close = close_direct, .radiance = radiance, .prepare = prepare,
+    .units = units, .run = run
 };

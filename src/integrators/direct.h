@@ -16,6 +16,10 @@ typedef struct {
     /* One estimate of the light that the turn scatters towards the viewer without delta events,
      * having come straight from a light. */
     Rgb (*light)(const Direct *it, const Turn *u, Tracer *t);
+    /* Before the first sample of a picture: see integrator.h. Sets how many units there are to run.
+     * NULL: nothing to do. */
+    bool (*prepare)(Direct *it, const Film *f, uint64_t seed, uint64_t *units);
+    void (*run)(const Direct *it, uint64_t unit, Tracer *t);
 } DirectStrategy;
 
 extern const DirectStrategy *const direct_strategies[];         /* ends with NULL */
@@ -34,6 +38,7 @@ struct Direct {
     float tolerance;            /* of ward and shirley: a share of all, untested */
     Resampling resampling;
     void *own;                  /* of the strategy */
+    uint64_t units;             /* of its preparation */
 };
 
 #endif

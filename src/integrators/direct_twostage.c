@@ -8,43 +8,32 @@
  *             the closer the partition comes to the product.
  * Fallback    Where no light beyond the scene is a picture or a constant, all is as strategy=mis
  *             has it. */
+#include "integrators/direct_twostage.h"
+
 #include "base/mem.h"
-#include "integrators/direct.h"
-#include "integrators/twostage.h"
 
-typedef struct {
-    TwoStage two;
-    Direct   rest;              /* strategy=mis for the other lights; its Lighting is that of two */
-    int      samples;
-} Own;
+/* ---- the sky and the rest ---- */
 
-static bool open_twostage(Direct *it, const Opts *o)
+bool skyrest_init(SkyAndRest *own, const Direct *it, const Opts *o)
 {
-    Own *own = MEM_NEW(Own);
-
-    if (!own)
+    memset(own, 0, sizeof *own);
+    if (!twostage_init(&own->two, it->base.scene, o, it->lighting.directions))
         return false;
-    if (!twostage_init(&own->two, it->base.scene, o, it->lighting.directions)) {
-        mem_free(own);
-        return false;
-    }
     own->samples = (int)opt_int(o, "samples");
     own->rest = *it;
     own->rest.lighting = own->two.others;
     if (!own->two.lamps)
         own->rest.bsdfsamples = 0;      /* rays that could meet nothing */
-    it->own = own;
     return true;
 }
 
-static void close_twostage(Direct *it)
-{
-    Own *own = it->own;
+void skyrest_clear(SkyAndRest *own) { twostage_clear(&own->two); }
 
-    if (!own)
-        return;
-    twostage_clear(&own->two);
-    mem_free(own);
+extern const DirectStrategy direct_mis;
+
+Rgb skyrest_others(const SkyAndRest *own, const Turn *u, Tracer *t)
+{
+    return own->two.any ? direct_mis.light(&own->rest, u, t) : rgb_all(0.0f);
 }
 
 /* The digits of i in base two, mirrored: in 24 bits, as canonical numbers are. */
@@ -63,44 +52,63 @@ static float moved(float x, float by)
     return f_min(x < 1.0f ? x : x - 1.0f, ONE_MINUS_ULP);
 }
 
+V2 hammersley_moved(uint32_t i, uint32_t n, V2 by)
+{
+    return (V2){ moved((float)i / (float)n, by.x), moved(mirrored(i), by.y) };
+}
+
+/* ---- the strategy ---- */
+
 enum { GROUP = 32 };
 
-static Rgb sky(const Own *own, const Turn *u, Tracer *t)
+static bool open_twostage(Direct *it, const Opts *o)
 {
-    float n = (float)own->samples;
+    SkyAndRest *own = MEM_NEW(SkyAndRest);
+
+    if (!own || !skyrest_init(own, it, o)) {
+        mem_free(own);
+        return false;
+    }
+    it->own = own;
+    return true;
+}
+
+static void close_twostage(Direct *it)
+{
+    if (it->own)
+        skyrest_clear(it->own);
+    mem_free(it->own);
+}
+
+static Rgb sky(const SkyAndRest *own, const Turn *u, Tracer *t)
+{
     Rgb sum = rgb_all(0.0f);
     PartitionSample s[GROUP];
     V2 by, point[GROUP];
     Partition p;
 
-    if (!twostage_partition(&own->two, u, own->samples, t, &p))
+    if (!own->two.light || !twostage_partition(&own->two, u, own->samples, t, &p))
         return sum;
     by = sample_2d(&t->sampler, DECISION(DECIDE_SKY, u->at));
     for (int first = 0, some; first < own->samples; first += some) {
         some = own->samples - first < GROUP ? own->samples - first : GROUP;
         for (int i = 0; i < some; i++)
-            point[i] = (V2){ moved((float)(first + i) / n, by.x),
-                             moved(mirrored((uint32_t)(first + i)), by.y) };
+            point[i] = hammersley_moved((uint32_t)(first + i), (uint32_t)own->samples, by);
         partition_warp_many(&p, point, s, some);
         for (int i = 0; i < some; i++) {
             Candidate c;
-            if (twostage_candidate(&own->two, &s[i], u, n, &c))
+            if (twostage_candidate(&own->two, &s[i], u, (float)own->samples, &c))
                 sum = rgb_add(sum, candidate_light(&c, u, t));
         }
     }
     return sum;
 }
 
-extern const DirectStrategy direct_mis;
-
 static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 {
-    const Own *own = it->own;
-    Rgb sum = rgb_all(0.0f);
+    const SkyAndRest *own = it->own;
 
-    if (own->two.light)
-        sum = sky(own, u, t);
-    return own->two.any ? rgb_add(sum, direct_mis.light(&own->rest, u, t)) : sum;
+    return rgb_add(sky(own, u, t), skyrest_others(own, u, t));
 }
 
 const DirectStrategy direct_twostage = {

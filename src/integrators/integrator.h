@@ -30,6 +30,8 @@ typedef struct {
     uint64_t rays;              /* cast so far, for progress */
     float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
+    uint32_t x, y;              /* the pixel of the camera sample */
+    bool     kept;              /* which the film takes: then no other worker is in its tile */
 } Tracer;
 
 INLINE bool tracer_nearest(Tracer *t, const Ray *r, Hit *h)
@@ -107,6 +109,11 @@ typedef struct {
 
     /* Shape 1: radiance arriving along the ray, one estimate. NULL: shape 2. */
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
+    /* Shape 1: what it needs to know of the picture, whose film is there, before the first sample;
+     * then units(f, 0, 0) are run, see below, if there are any. What tiles learn while samples are
+     * taken may go into what is made here: a tile of the film is one worker's at a time, and its
+     * samples have an order. NULL: nothing. False: reported. */
+    bool (*prepare)(Integrator *it, const Film *f, uint64_t seed);
 
     /* Shape 2: pass `pass` has phases 0 .. phases-1, each of units(...) units; all units of a phase
      * end before the next begins. What a unit adds to the film must not depend on the order. */

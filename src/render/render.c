@@ -65,6 +65,9 @@ static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_
     r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens, time);
     if (t->tally)
         memset(t->tally, 0, sizeof *t->tally);
+    t->x = x;
+    t->y = y;
+    t->kept = keep;
     values[0] = j->integrator->kind->radiance(j->integrator, &r, t);
     if (s->naovs)
         aov_values(s->aovs, s->naovs, &r, t, values + 1);
@@ -187,6 +190,40 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     else if (j->pass && j->integrator->kind->radiance && time_to_look(j))
         j->paused = true;
     return !j->ended && !j->paused;
+}
+
+static void prepare_unit(void *ctx, uint64_t unit, int worker)
+{
+    Job *j = ctx;
+    j->integrator->kind->run(j->integrator, j->film, 0, 0, unit, &j->tracers[worker]);
+}
+
+static bool after_prepared(void *ctx, uint64_t done, int worker)
+{
+    Job *j = ctx;
+
+    (void)done;
+    j->rays += j->tracers[worker].rays - j->rays_seen[worker];
+    j->rays_seen[worker] = j->tracers[worker].rays;
+    j->ended = is_late(j);
+    return !j->ended;
+}
+
+/* What an integrator does before the first camera sample. False: reported. */
+static bool prepare(Job *j)
+{
+    const IntegratorKind *k = j->integrator->kind;
+    Work w = { 0, prepare_unit, after_prepared, NULL };
+
+    if (!k->radiance || !k->prepare)
+        return true;
+    if (!k->prepare(j->integrator, j->film, j->settings->seed))
+        return false;
+    w.ctx = j;
+    w.units = k->units ? k->units(j->integrator, j->film, 0, 0) : 0;
+    if (w.units)
+        work_run(&w, j->settings->threads);
+    return true;
 }
 
 static void run_phase(Job *j)
@@ -388,13 +425,14 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
         progress_start(&j.progress);
         j.cpu = clock_cpu();
         j.start = clock_wall();
-        if (j.adapts)
+        ok = prepare(&j);
+        if (ok && j.adapts)
             run_adaptive(&j);
-        else
+        else if (ok)
             run_passes(&j);
         report_now(&j, report);
         progress_end(&j.progress);
-        ok = report_refused(film);
+        ok = ok && report_refused(film);
     }
     job_clear(&j);
     if (!ok)
