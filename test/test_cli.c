@@ -378,10 +378,10 @@ static void expect_entry(const char *page, const KindInfo *info)
         expect_word(option, d->also);
         expect_word(option, d->type == OPT_CHOICE ? d->choices : NULL);
     }
+    /* what an option is called has blanks behind it, what a method is like has not */
     for (line = strchr(line, '\n') + 1; !strncmp(line, "    ", 4); line = strchr(line, '\n') + 1)
-        lines += strncmp(line, "    unbiased", 12) && strncmp(line, "    consistent", 14) &&
-                 strncmp(line, "    biased", 10) && strncmp(line, "    meets Shirley", 17) &&
-                 strncmp(line, "    fails of", 12);
+        lines += line[4 + strcspn(line + 4, " ;\n")] == ' ' &&
+                 strncmp(line, "    meets Shirley", 17) && strncmp(line, "    fails of", 12);
     EXPECT(lines == options, "%s: %d options, %d lines", info->name, options, lines);
 }
 

@@ -34,6 +34,7 @@ typedef struct {
     float eta;                  /* index ratio crossed, transmitted over incident side; else 1 */
 } BsdfSample;
 
+enum { BSDF_OPTIONS = 16 };    /* most that a model may have */
 enum { BSDF_DELTAS = 16 };      /* most that a model may have: two of each of its parts */
 
 /* Where load() finds files: names are as seen from the file that names them. */

@@ -28,6 +28,7 @@ bool material_init(Material *m, const BsdfKind *kind, const Opts *o, const BsdfF
     m->name = "";
     for (int i = 0; kind->info.options && kind->info.options[i].key; i++) {
         const OptValue *v = &o->value[i];
+        ASSERT(i < BSDF_OPTIONS);
         m->value[i] = kind->info.options[i].type == OPT_RGB ? v->rgb : rgb_all((float)v->num);
         m->nvalues = i + 1;
     }
@@ -55,7 +56,7 @@ int material_size(const Material *all, uint32_t index)
  * that are not. */
 static bool wants_tangent(const Material *m)
 {
-    Rgb value[OPT_MAX];
+    Rgb value[BSDF_OPTIONS];
     Bsdf b;
 
     if (m->kind == &bsdf_mix)
@@ -125,7 +126,7 @@ static bool parts_pass(const Material *m)
 /* Makes the model in *b; parts of mixtures take what follows *free. */
 static void make(const Material *m, const Surface *s, Bsdf *b, Bsdf **free)
 {
-    Rgb value[OPT_MAX];
+    Rgb value[BSDF_OPTIONS];
 
     if (LIKELY(!m->textured && !parts_pass(m)))
         bsdf_make(b, m->kind, m->value, m->data);

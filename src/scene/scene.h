@@ -19,8 +19,8 @@ typedef struct Scene Scene;
 typedef struct Material {
     const BsdfKind *kind;
     const char *name;                           /* borrowed from the scene's arena; "" if none */
-    Rgb value[OPT_MAX];                         /* by option of the kind */
-    const Texture *texture[OPT_MAX];            /* or NULL: the value */
+    Rgb value[BSDF_OPTIONS];                    /* by option of the kind */
+    const Texture *texture[BSDF_OPTIONS];       /* or NULL: the value */
     int  nvalues;
     bool textured;                              /* any texture that is not NULL */
     const Texture *opacity;                     /* NULL: 1; where it is 0, rays pass */
