@@ -169,6 +169,13 @@ static float estimate(const Light *base, V3 p, V3 n)
     return rgb_lum(l->L) * panorama_estimate(&l->picture, affine_vector(&l->to_light, n));
 }
 
+static LightPicture picture(const Light *base)
+{
+    const Infinite *l = (const Infinite *)base;
+    return (LightPicture){ l->image, l->mapping.kind == MAPPING_LATLONG, l->L, l->to_light,
+                           l->to_world };
+}
+
 /* ---- the sky of a bare mesh ---- */
 
 enum { STUDIO_W = 512, STUDIO_H = 256 };        /* fine enough that no steps show */
@@ -229,5 +236,5 @@ const LightKind light_infinite = {
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = estimate
+    .estimate = estimate, .picture = picture
 };

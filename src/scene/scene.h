@@ -117,6 +117,14 @@ INLINE Ray emission_ray(const Emission *e, float time)
 /* What a ray cannot find by chance: the light's place, or its direction. */
 typedef enum { DELTA_NONE, DELTA_PLACE, DELTA_DIRECTION } Delta;
 
+/* How a light beyond the scene shows a picture, for methods that go by its cells. */
+typedef struct {
+    const Image *image;         /* borrowed; NULL: constant */
+    bool latlong;               /* the picture goes by longitude and latitude, see panorama.h */
+    Rgb  L;                     /* factor of the picture */
+    Affine to_light, to_world;  /* directions */
+} LightPicture;
+
 /* Of `hit`, a point of the light, its functions look at p, ng (the front) and uv; lights without a
  * surface are given NULL. surface_at makes one of a LightSample or an Emission. */
 typedef struct {
@@ -144,6 +152,8 @@ typedef struct {
     Rgb (*power)(const Light *l);
     /* See light_estimate. NULL: a delta light, whose one sample says it all. */
     float (*estimate)(const Light *l, V3 p, V3 n);
+    /* Lights beyond the scene. NULL: it is no picture, but what radiance() says. */
+    LightPicture (*picture)(const Light *l);
 } LightKind;
 
 struct Light {                  /* first member of every concrete light */

@@ -1,0 +1,181 @@
+/* skymap.c -- a summed area table of the light from beyond the scene. See skymap.h. */
+#include "lightsampling/skymap.h"
+
+#include "base/mem.h"
+#include "scene/panorama.h"
+
+static const Mapping LATLONG = { MAPPING_LATLONG, 0, 0 };
+
+/* ---- cells ---- */
+
+/* Cells along a side of n pixels: as many, or a multiple, or by a divisor in whole pixels. */
+static uint32_t cells_along(uint32_t n, uint32_t least, uint32_t most)
+{
+    if (n < least)
+        return n * ((least + n - 1) / n);
+    return n > most ? (n + (n - 1) / most) / (1 + (n - 1) / most) : n;
+}
+
+static float counted(Rgb c)
+{
+    float lum = rgb_lum(c);
+    return lum > 0.0f && is_finite(lum) ? lum : 0.0f;
+}
+
+/* Of all pixels that lie in the cell, if only in part: mean luminance. */
+static float mean_of_pixels(const SkyMap *m, uint32_t x, uint32_t y)
+{
+    const Image *im = m->picture.image;
+    uint64_t x0 = (uint64_t)x * im->w / m->w, y0 = (uint64_t)y * im->h / m->h;
+    uint64_t x1 = ((uint64_t)(x + 1) * im->w + m->w - 1) / m->w;
+    uint64_t y1 = ((uint64_t)(y + 1) * im->h + m->h - 1) / m->h;
+    double sum = 0.0;
+
+    for (uint64_t j = y0; j < y1; j++)
+        for (uint64_t i = x0; i < x1; i++)
+            sum += counted(rgb_mul(m->picture.L, *image_at(im, (uint32_t)i, (uint32_t)j)));
+    return (float)(sum / (double)((x1 - x0) * (y1 - y0)));
+}
+
+/* By points of the cell and its edges. What lies between them may be missed: see `spread`. */
+static float mean_of_points(const SkyMap *m, uint32_t x, uint32_t y)
+{
+    enum { SIDE = 3 };
+    float jacobian, sum = 0.0f;
+
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        V2 q = { ((float)x + (float)(i % SIDE) / (SIDE - 1)) / (float)m->w,
+                 ((float)y + (float)(i / SIDE) / (SIDE - 1)) / (float)m->h };
+        V3 wi = skymap_direction(m, q, &jacobian);
+        sum += counted(m->light->kind->radiance(m->light, wi, NULL));
+    }
+    return sum / (SIDE * SIDE);
+}
+
+static float mean_of_cell(const SkyMap *m, uint32_t x, uint32_t y)
+{
+    if (!m->picture.image)
+        return counted(m->picture.L);
+    return m->picture.latlong ? mean_of_pixels(m, x, y) : mean_of_points(m, x, y);
+}
+
+/* Luminance times sine of each cell, added up from the top left; shares of the whole. */
+static void fill(SkyMap *m)
+{
+    size_t n = (size_t)(m->h + 1) * (m->w + 1);
+    double all;
+
+    for (uint32_t y = 0; y < m->h; y++) {
+        double sine = md_sin(PI * (y + 0.5) / m->h), in_row = 0.0;
+        const double *above = m->sum + (size_t)y * (m->w + 1);
+        double *row = m->sum + (size_t)(y + 1) * (m->w + 1);
+        for (uint32_t x = 0; x < m->w; x++) {
+            in_row += (double)mean_of_cell(m, x, y) * sine;
+            row[x + 1] = above[x + 1] + in_row;
+        }
+    }
+    all = m->sum[n - 1];
+    m->light_in_all = all * 2.0 * PI * PI / ((double)m->w * m->h);
+    for (size_t i = 0; all > 0.0 && i < n; i++)
+        m->sum[i] /= all;
+}
+
+/* A hundredth of the samples goes to all directions alike, where cells were looked at by points. */
+static void spread(SkyMap *m)
+{
+    for (uint32_t y = 0; m->light_in_all > 0.0 && y <= m->h; y++)
+        for (uint32_t x = 0; x <= m->w; x++) {
+            double part = 0.5 * (1.0 - (double)m->row[y].y) * x / m->w;
+            double *sum = m->sum + (size_t)y * (m->w + 1) + x;
+            *sum = 0.99 * *sum + 0.01 * part;
+        }
+}
+
+static void fill_edges(SkyMap *m)
+{
+    float s, c;
+
+    for (uint32_t x = 0; x <= m->w; x++) {              /* the last edge is the first, exactly */
+        m_sincos_turn((float)(x % m->w) / (float)m->w, &s, &c);
+        m->column[x] = (V2){ c, s };
+    }
+    for (uint32_t y = 0; y <= m->h; y++) {
+        m_sincos_turn(0.5f * (float)y / (float)m->h, &s, &c);
+        m->row[y] = (V2){ y == 0 || y == m->h ? 0.0f : s, c };
+    }
+}
+
+bool skymap_init(SkyMap *m, const Light *l)
+{
+    const Image *im;
+
+    memset(m, 0, sizeof *m);
+    m->light = l;
+    m->picture = l->kind->picture(l);
+    im = m->picture.image;
+    m->w = cells_along(!im ? 1 : m->picture.latlong ? im->w : 2 * im->h, SKYMAP_NARROWEST,
+                       SKYMAP_WIDEST);
+    m->h = cells_along(im ? im->h : 1, SKYMAP_NARROWEST / 2, SKYMAP_WIDEST / 2);
+    m->exact = !im || (m->picture.latlong && m->w % im->w == 0 && m->h % im->h == 0);
+    m->sum = mem_array((size_t)m->h + 1, ((size_t)m->w + 1) * sizeof *m->sum);
+    m->column = MEM_ARRAY(V2, (size_t)m->w + 1);
+    m->row = MEM_ARRAY(V2, (size_t)m->h + 1);
+    if (!m->sum || !m->column || !m->row) {
+        skymap_clear(m);
+        return false;
+    }
+    fill_edges(m);
+    fill(m);
+    if (im && !m->picture.latlong)
+        spread(m);
+    return true;
+}
+
+void skymap_clear(SkyMap *m)
+{
+    mem_free(m->sum);
+    mem_free(m->column);
+    mem_free(m->row);
+    m->sum = NULL;
+    m->column = m->row = NULL;
+}
+
+const Light *skymap_light(const Scene *s)
+{
+    const Light *best = NULL;
+    float most = -1.0f;
+
+    for (size_t i = 0; i < s->ninfinite; i++) {
+        float power = rgb_lum(s->infinite[i]->kind->power(s->infinite[i]));
+        if (s->infinite[i]->kind->picture && power > most) {
+            most = power;
+            best = s->infinite[i];
+        }
+    }
+    return best;
+}
+
+/* ---- places and directions ---- */
+
+V3 skymap_direction(const SkyMap *m, V2 place, float *jacobian)
+{
+    V3 d = mapping_direction(&LATLONG, place, jacobian);
+    return affine_vector(&m->picture.to_world, d);
+}
+
+V2 skymap_place(const SkyMap *m, V3 wi, float *jacobian)
+{
+    return mapping_place(&LATLONG, affine_vector(&m->picture.to_light, wi), jacobian);
+}
+
+Rgb skymap_radiance(const SkyMap *m, V2 place, V3 wi)
+{
+    const Image *im = m->picture.image;
+
+    if (!m->exact)
+        return m->light->kind->radiance(m->light, wi, NULL);
+    if (!im)
+        return m->picture.L;
+    return rgb_mul(m->picture.L, *image_at(im, (uint32_t)((double)place.x * im->w),
+                                           (uint32_t)((double)place.y * im->h)));
+}
