@@ -15,12 +15,14 @@
 
 #include "base/mem.h"
 #include "integrators/event.h"
+#include "integrators/twostage.h"
 
 #define STRATEGIES_OF_DIRECT(X)                                                \
     X(uniform)                  /* directions all alike */                     \
     X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
     X(ris)                      /* many tentatively, few of them looked at */  \
-    X(cut) X(sir)               /* by point lights that stand for all light */
+    X(cut) X(sir)               /* by point lights that stand for all light */ \
+    X(twostage)                 /* the sky by its product with the surface */
 #define DECLARE(name) extern const DirectStrategy direct_##name;
 #define ENTRY(name) &direct_##name,
 STRATEGIES_OF_DIRECT(DECLARE)
@@ -197,13 +199,15 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 
 static const OptDef options[] = {
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
-      .choices = "uniform brdf light mis ris cut sir",
+      .choices = "uniform brdf light mis ris cut sir twostage",
       .help = "directions all alike, by the surface, by lights, by both, or resampled; by point "
-              "lights in clusters, or resampled" },
+              "lights in clusters, or resampled; twostage: of the sky by its product with the "
+              "surface, of other lights as mis (all of them, if there is no picture or constant "
+              "beyond the scene)" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
-      .help = "samples of lights at each point (light, mis)" },
+      .help = "samples of lights at each point (light, mis; twostage: of those beside the sky)" },
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
-      .help = "directions from each point (uniform, brdf, mis)" },
+      .help = "directions from each point (uniform, brdf, mis; twostage: to other lights)" },
     LIGHTING_HEURISTIC,
     LIGHTING_LIGHTSAMPLER,
     { .key = "lights", .type = OPT_CHOICE, .str = "chosen", .choices = "chosen all ward shirley",
@@ -215,7 +219,10 @@ static const OptDef options[] = {
     { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = SIR_MOST,
       .help = "ris, sir: samples without shadow rays; of ris at most 256" },
     { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = SIR_MOST,
-      .help = "ris, sir: how many of them are kept; cut: point lights chosen" },
+      .help = "ris, sir: how many of them are kept; cut: point lights chosen; twostage: "
+              "directions to the sky" },
+    TWOSTAGE_SPLITS(0),
+    TWOSTAGE_PEAKS,
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "ris: part of the tentative samples that go by lights, the others by the surface" },
     { .key = "points", .type = OPT_INT, .num = 32768, .lo = 1, .hi = 1 << 24,

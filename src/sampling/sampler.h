@@ -25,6 +25,7 @@ typedef enum {
     DECIDE_TRY_LOBE,            /* 1-D, 2-D: lobe and direction of what is tried, */
     DECIDE_TRY_DIRECTION,       /* besides the direction that the path takes */
     DECIDE_KEEP,                /* 1-D: which of the tentative samples is kept */
+    DECIDE_SKY,                 /* 2-D: directions to the light from beyond, by its map */
     DECIDE_KINDS = 16           /* room for more, a power of two */
 } DecisionKind;
 

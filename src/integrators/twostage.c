@@ -1,0 +1,148 @@
+/* twostage.c -- two stage importance sampling at a turn. See twostage.h. */
+#include "integrators/twostage.h"
+
+#include "base/mem.h"
+
+/* ---- the other lights ---- */
+
+/* Stands for the map's light in the list of the others, so that they keep their numbers. */
+static bool dark_sample(const Light *l, V3 from, V2 u, LightSample *s)
+{
+    (void)l;
+    (void)from;
+    (void)u;
+    (void)s;
+    return false;
+}
+static Rgb dark_power(const Light *l)
+{
+    (void)l;
+    return rgb_all(0.0f);
+}
+static float dark_estimate(const Light *l, V3 p, V3 n)
+{
+    (void)l;
+    (void)p;
+    (void)n;
+    return 0.0f;
+}
+static const LightKind dark_kind = {
+    .info = { "dark", "", "no light", NULL }, .sample = dark_sample, .pdf_w = delta_pdf_w,
+    .radiance = delta_radiance, .power = dark_power, .estimate = dark_estimate
+};
+
+static bool leave_out(TwoStage *it, const Scene *s)
+{
+    it->rest = *s;
+    it->dark.kind = &dark_kind;
+    it->rest.lights = MEM_ARRAY(Light *, s->nlights);
+    it->rest.infinite = MEM_ARRAY(const Light *, s->ninfinite);
+    if (!it->rest.lights || !it->rest.infinite)
+        return false;
+    for (size_t i = 0; i < s->nlights; i++) {
+        bool other = s->lights[i] != it->light;
+        it->rest.lights[i] = other ? s->lights[i] : &it->dark;
+        it->any |= other;
+        it->lamps |= other && !s->lights[i]->kind->delta;
+    }
+    it->rest.ninfinite = 0;
+    for (size_t i = 0; i < s->ninfinite; i++)
+        if (s->infinite[i] != it->light)
+            it->rest.infinite[it->rest.ninfinite++] = s->infinite[i];
+    return true;
+}
+
+bool twostage_init(TwoStage *it, const Scene *s, const Opts *o, bool directions)
+{
+    memset(it, 0, sizeof *it);
+    it->splits = (int)opt_int(o, "splits");
+    it->sampled = opt_is(o, "peaks", "sampled");
+    it->light = skymap_light(s);
+    if (leave_out(it, s) && (!it->light || skymap_init(&it->map, it->light)) &&
+        lighting_init(&it->others, &it->rest, o, false, directions))
+        return true;
+    twostage_clear(it);
+    return false;
+}
+
+void twostage_clear(TwoStage *it)
+{
+    lighting_clear(&it->others);
+    skymap_clear(&it->map);
+    mem_free(it->rest.lights);
+    mem_free(it->rest.infinite);
+    it->rest.lights = NULL;
+    it->rest.infinite = NULL;
+}
+
+/* ---- a turn ---- */
+
+static float factor(const void *of, V3 wi)
+{
+    Rgb f_cos;
+    return turn_f_cos(of, wi, &f_cos, NULL) ? rgb_lum(f_cos) : 0.0f;
+}
+
+static int known_peaks(const Turn *u, V3 peak[16])
+{
+    int n;
+
+    if (!u->v) {                /* of a phase function: on, or back */
+        peak[0] = u->g < 0.0f ? v_neg(u->d) : u->d;
+        return 1;
+    }
+    n = u->v->b->kind->peaks(u->v->b, u->v->wo, peak);
+    for (int i = 0; i < n; i++)
+        peak[i] = frame_out(&u->v->frame, peak[i]);
+    return n;
+}
+
+enum { TRIES = 128 };
+
+/* [Cline07 5.2.2]: a quarter as many as there will be samples. They are drawn by numbers of their
+ * own: what the partition is must not depend on the points that it will warp. */
+static int sampled_peaks(const Turn *u, int samples, Tracer *t, V3 peak[TRIES])
+{
+    Draw draw, first = draw_first(t, u, DECIDE_TRY_LOBE, DECIDE_TRY_DIRECTION);
+    int tries = (samples + 3) / 4, n = 0;
+    BsdfSample s;
+
+    for (int i = 0; i < tries && n < TRIES; i++) {
+        draw = draw_number(&first, (uint32_t)i);
+        if (turn_sample(u, draw.choice, draw.point, &s) && s.pdf_w > 0.0f)
+            peak[n++] = s.wi;
+    }
+    return n;
+}
+
+bool twostage_partition(const TwoStage *it, const Turn *u, int samples, Tracer *t, Partition *p)
+{
+    V3 peak[TRIES];
+    PartitionOrder o = { factor, u, u->up, peak, 0, peak, 0, it->splits ? it->splits : samples };
+
+    if (it->sampled)
+        o.tries = sampled_peaks(u, samples, t, peak);
+    else
+        o.peaks = known_peaks(u, peak);
+    return partition_make(p, &it->map, &o);
+}
+
+bool twostage_candidate(const TwoStage *it, const Partition *p, const Turn *u, V2 point, float n,
+                        Candidate *c)
+{
+    PartitionSample s;
+    Rgb L, f_cos;
+
+    partition_warp(p, point, &s);
+    if (!(s.pdf_w > 0.0f))
+        return false;
+    L = skymap_radiance(&it->map, s.place, s.wi);
+    if (rgb_black(L) || !turn_f_cos(u, s.wi, &f_cos, NULL))
+        return false;
+    c->c = rgb_scale(rgb_mul(f_cos, L), 1.0f / (n * s.pdf_w));
+    c->ray = turn_ray(u, s.wi);
+    c->medium = turn_medium(u, s.wi);
+    c->known = false;
+    c->how = STRATEGY_EXPLICIT;
+    return true;
+}
