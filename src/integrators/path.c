@@ -6,7 +6,9 @@
  *             point of one. Each path that both ways can make is weighted by the heuristic on the
  *             two densities per solid angle, so that the weights of a path sum to 1. Or one
  *             connection is kept of many candidates by both ways, see resample.c, and implicit
- *             paths count only where there was none to make: after delta events.
+ *             paths count only where there was none to make: after delta events. Or the sky has a
+ *             connection of its own at each vertex, see twostage.h, and is met only after delta
+ *             events; other lights go by both ways then.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -18,6 +20,7 @@
 #include "integrators/event.h"
 #include "integrators/glints.h"
 #include "integrators/lighting.h"
+#include "integrators/twostage.h"
 
 typedef enum { IMPLICIT, EXPLICIT, MIS } Ways;
 
@@ -32,6 +35,8 @@ typedef struct {
     Glints glints;              /* owned */
     bool  resamples;            /* explicit paths are resampled: */
     Resampling resampling;
+    bool  maps;                 /* the sky is asked by its map: */
+    TwoStage two;               /* owned, if so; `lights` is that of its others then */
 } Path;
 
 /* The path so far: what the next vertex needs to know of the last one. */
@@ -63,7 +68,7 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
         return e->glint;        /* no other way could have made it */
     if (it->ways == IMPLICIT)
         return 1.0f;
-    if (it->ways == EXPLICIT)
+    if (it->ways == EXPLICIT || (it->maps && l == it->two.light))
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
           l->kind->pdf_w(l, e->p, e->ray.d, hit);
@@ -218,6 +223,23 @@ static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t,
     return connect_resampled(it, e, &u, t, to);
 }
 
+/* The connection to the sky by its map, beside that to another light; v NULL: in a medium. */
+static bool connect_to_sky(const Path *it, const Eye *e, const Vertex *v, V3 p, Tracer *t,
+                           Connection *to)
+{
+    Turn u = v ? turn_on(v, e->ray.d, e->medium, e->depth)
+               : turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    Partition part;
+    Candidate c;
+
+    if (!twostage_partition(&it->two, &u, 1, t, &part) ||
+        !twostage_candidate(&it->two, &part, &u,
+                            sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->depth)), 1.0f, &c))
+        return false;
+    *to = (Connection){ c.ray, rgb_mul(e->throughput, c.c), e->depth + 2, c.medium, false };
+    return true;
+}
+
 /* ---- implicit paths ---- */
 
 /* One scattering event more. False: roulette ends the path. */
@@ -304,8 +326,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
-        Connection to;
-        bool connects, goes_on;
+        Connection to, sky;
+        bool connects, shows_sky, goes_on;
         Event event = next_event(&e, &v.s, &p, t);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
@@ -320,13 +342,17 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
                        connect_any(it, &e, &v, t, &to);
             if (it->glints.n > 1 && vertex_is_smooth(&v))
                 sum = rgb_add(sum, glints(it, &e, &v, t));
+            shows_sky = it->maps && vertex_is_smooth(&v) && connect_to_sky(it, &e, &v, p, t, &sky);
             goes_on = scatter(it, &e, &v, t);
         } else {
             connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
+            shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
             goes_on = scatter_in_medium(it, &e, p, t);
         }
         if (connects)
             sum = rgb_add(sum, connection_light(&to, t));
+        if (shows_sky)
+            sum = rgb_add(sum, connection_light(&sky, t));
         if (!goes_on)
             return sum;
     }
@@ -338,7 +364,20 @@ static void close_path(Integrator *base)
 
     glints_clear(&it->glints);
     lighting_clear(&it->lighting);
+    twostage_clear(&it->two);
     mem_free(it);
+}
+
+/* By the light's map, if there is a light that has one. */
+static bool open_map(Path *it, const Scene *s, const Opts *o)
+{
+    if (!opt_is(o, "strategy", "twostage"))
+        return true;
+    if (!twostage_init(&it->two, s, o, false))
+        return false;
+    it->maps = it->two.light != NULL;
+    it->lights = it->two.others.lights;
+    return true;
 }
 
 static Integrator *open_path(const Scene *s, const Opts *o)
@@ -358,7 +397,8 @@ static Integrator *open_path(const Scene *s, const Opts *o)
     if (lighting_init(&it->lighting, s, o, it->resamples, false)) {
         it->lights = it->lighting.lights;
         if (glints_init(&it->glints, s, (int)opt_int(o, "glints"), it->maxdepth) &&
-            (it->ways != IMPLICIT || lighting_warn_of_deltas(s, "implicit")))
+            (it->ways != IMPLICIT || lighting_warn_of_deltas(s, "implicit")) &&
+            open_map(it, s, o))
             return &it->base;
     }
     close_path(&it->base);
@@ -368,9 +408,10 @@ static Integrator *open_path(const Scene *s, const Opts *o)
 static const OptDef options[] = {
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris",
-      .help = "how paths are completed: by meeting lights, by asking for them, by both, or by one "
-              "of many candidates" },
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris twostage",
+      .help = "how paths are completed: by meeting lights, by asking for them, by both; by one of "
+              "many candidates; twostage: asking the sky by its product with the surface, other "
+              "lights as mis (all of them, if no picture or constant is beyond the scene)" },
     LIGHTING_HEURISTIC,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
@@ -382,6 +423,8 @@ static const OptDef options[] = {
       .help = "strategy=ris: candidates without shadow rays, of which one is kept" },
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "strategy=ris: part of the candidates that go by lights, the others by the surface" },
+    TWOSTAGE_SPLITS(16),
+    TWOSTAGE_PEAKS,
     { .key = NULL }
 };
 
