@@ -17,6 +17,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
     { "direct", bench_direct }, { "cuts", bench_cuts }, { "direct lamps", bench_lamps },
     { "bias", bench_bias },
+    { "twostage", bench_twostage },
 };
 
 static void machine(void)

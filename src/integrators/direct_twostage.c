@@ -63,21 +63,30 @@ static float moved(float x, float by)
     return f_min(x < 1.0f ? x : x - 1.0f, ONE_MINUS_ULP);
 }
 
+enum { GROUP = 32 };
+
 static Rgb sky(const Own *own, const Turn *u, Tracer *t)
 {
     float n = (float)own->samples;
     Rgb sum = rgb_all(0.0f);
+    PartitionSample s[GROUP];
+    V2 by, point[GROUP];
     Partition p;
-    V2 by;
 
     if (!twostage_partition(&own->two, u, own->samples, t, &p))
         return sum;
     by = sample_2d(&t->sampler, DECISION(DECIDE_SKY, u->at));
-    for (int i = 0; i < own->samples; i++) {
-        V2 point = { moved((float)i / n, by.x), moved(mirrored((uint32_t)i), by.y) };
-        Candidate c;
-        if (twostage_candidate(&own->two, &p, u, point, n, &c))
-            sum = rgb_add(sum, candidate_light(&c, u, t));
+    for (int first = 0, some; first < own->samples; first += some) {
+        some = own->samples - first < GROUP ? own->samples - first : GROUP;
+        for (int i = 0; i < some; i++)
+            point[i] = (V2){ moved((float)(first + i) / n, by.x),
+                             moved(mirrored((uint32_t)(first + i)), by.y) };
+        partition_warp_many(&p, point, s, some);
+        for (int i = 0; i < some; i++) {
+            Candidate c;
+            if (twostage_candidate(&own->two, &s[i], u, n, &c))
+                sum = rgb_add(sum, candidate_light(&c, u, t));
+        }
     }
     return sum;
 }

@@ -229,12 +229,14 @@ static bool connect_to_sky(const Path *it, const Eye *e, const Vertex *v, V3 p, 
 {
     Turn u = v ? turn_on(v, e->ray.d, e->medium, e->depth)
                : turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    PartitionSample s;
     Partition part;
     Candidate c;
 
-    if (!twostage_partition(&it->two, &u, 1, t, &part) ||
-        !twostage_candidate(&it->two, &part, &u,
-                            sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->depth)), 1.0f, &c))
+    if (!twostage_partition(&it->two, &u, 1, t, &part))
+        return false;
+    partition_warp(&part, sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->depth)), &s);
+    if (!twostage_candidate(&it->two, &s, &u, 1.0f, &c))
         return false;
     *to = (Connection){ c.ray, rgb_mul(e->throughput, c.c), e->depth + 2, c.medium, false };
     return true;

@@ -37,7 +37,7 @@ void twostage_clear(TwoStage *it);
 /* For `samples` directions at the turn. False: the map's light brings nothing. */
 bool twostage_partition(const TwoStage *it, const Turn *u, int samples, Tracer *t, Partition *p);
 /* One of n samples: what the map's light would add. False: nothing. */
-bool twostage_candidate(const TwoStage *it, const Partition *p, const Turn *u, V2 point, float n,
+bool twostage_candidate(const TwoStage *it, const PartitionSample *s, const Turn *u, float n,
                         Candidate *c);
 
 #endif

@@ -304,11 +304,11 @@ bool partition_make(Partition *p, const SkyMap *m, const PartitionOrder *o)
 
 /* ---- stage two ---- */
 
-/* A part of a leaf: cells, f at its corners, the table's entries there. */
+/* A part of a leaf: cells, f at its corners, the table's entries there. Corners are numbered x +
+ * 2 y, so that the next one along the axis x or y is 1 or 2 further on, whichever the axis is. */
 typedef struct {
-    uint32_t x0, y0, x1, y1;
-    double f00, f10, f01, f11;
-    double s00, s10, s01, s11;
+    uint32_t edge[2][2];        /* first column and row; those beyond the last */
+    double f[4], s[4];
 } Part;
 
 static Part part_of(const SkyMap *m, const PartitionNode *r)
@@ -316,47 +316,40 @@ static Part part_of(const SkyMap *m, const PartitionNode *r)
     const double *top = m->sum + (size_t)r->y0 * (m->w + 1);
     const double *end = m->sum + (size_t)r->y1 * (m->w + 1);
 
-    return (Part){ r->x0, r->y0, r->x1, r->y1, r->f[0], r->f[1], r->f[2], r->f[3],
-                   top[r->x0], top[r->x1], end[r->x0], end[r->x1] };
+    return (Part){ { { r->x0, r->y0 }, { r->x1, r->y1 } },
+                   { (double)r->f[0], (double)r->f[1], (double)r->f[2], (double)r->f[3] },
+                   { top[r->x0], top[r->x1], end[r->x0], end[r->x1] } };
 }
 
-/* The two halves of a part, before it is one of them. */
+INLINE uint32_t side_of(const Part *p, int axis) { return p->edge[1][axis] - p->edge[0][axis]; }
+INLINE bool is_cell(const Part *p) { return side_of(p, 0) * side_of(p, 1) == 1; }
+
+/* Where a part is cut, before it is one of its halves. */
 typedef struct {
-    bool   by_x;
+    int    axis;
     uint32_t at;
-    double f0, f1;              /* on the middle: its upper or left, and its lower or right end */
-    double s0, s1;
+    double f[2], s[2];          /* on the cut, at its two ends */
     double a, all;              /* weight of the first half, and of both */
 } Halves;
 
 /* [Cline07 fig. 5.14]. Both halves count their part of the light, of which the table's roundings
  * may leave none: then they go by area. */
-static Halves halve(const SkyMap *m, const Part *p)
+INLINE Halves halve(const SkyMap *m, const Part *p)
 {
-    size_t pitch = m->w + 1;
-    double b, share;
-    Halves h;
+    size_t pitch[2] = { 1, m->w + 1 };
+    int axis = side_of(p, 0) <= side_of(p, 1);
+    int other = 1 - axis, on = 1 + axis, across = 2 - axis;     /* to the next corner */
+    uint32_t first = p->edge[0][axis], last = p->edge[1][axis], at = (first + last) / 2;
+    double share = (double)(at - first) / (double)(last - first), b;
+    const double *cut = m->sum + at * pitch[axis];
+    Halves h = { axis, at, { p->f[0] + share * (p->f[on] - p->f[0]),
+                             p->f[across] + share * (p->f[3] - p->f[across]) },
+                 { cut[p->edge[0][other] * pitch[other]], cut[p->edge[1][other] * pitch[other]] }, 0, 0 };
 
-    h.by_x = p->x1 - p->x0 > p->y1 - p->y0;
-    if (h.by_x) {
-        h.at = (p->x0 + p->x1) / 2;
-        share = (double)(h.at - p->x0) / (double)(p->x1 - p->x0);
-        h.f0 = p->f00 + share * (p->f10 - p->f00);
-        h.f1 = p->f01 + share * (p->f11 - p->f01);
-        h.s0 = m->sum[p->y0 * pitch + h.at];
-        h.s1 = m->sum[p->y1 * pitch + h.at];
-        h.a = d_max(0.0, (h.s1 - p->s01) - (h.s0 - p->s00)) * ((p->f00 + p->f01) + (h.f0 + h.f1));
-        b = d_max(0.0, (p->s11 - h.s1) - (p->s10 - h.s0)) * ((p->f10 + p->f11) + (h.f0 + h.f1));
-    } else {
-        h.at = (p->y0 + p->y1) / 2;
-        share = (double)(h.at - p->y0) / (double)(p->y1 - p->y0);
-        h.f0 = p->f00 + share * (p->f01 - p->f00);
-        h.f1 = p->f10 + share * (p->f11 - p->f10);
-        h.s0 = m->sum[h.at * pitch + p->x0];
-        h.s1 = m->sum[h.at * pitch + p->x1];
-        h.a = d_max(0.0, (h.s1 - h.s0) - (p->s10 - p->s00)) * ((p->f00 + p->f10) + (h.f0 + h.f1));
-        b = d_max(0.0, (p->s11 - p->s01) - (h.s1 - h.s0)) * ((p->f01 + p->f11) + (h.f0 + h.f1));
-    }
+    h.a = d_max(0.0, (h.s[1] - p->s[across]) - (h.s[0] - p->s[0])) *
+          ((p->f[0] + p->f[across]) + (h.f[0] + h.f[1]));
+    b = d_max(0.0, (p->s[3] - h.s[1]) - (p->s[on] - h.s[0])) *
+        ((p->f[on] + p->f[3]) + (h.f[0] + h.f[1]));
     h.all = h.a + b;
     if (UNLIKELY(!(h.all > 0.0))) {
         h.a = share;
@@ -365,38 +358,17 @@ static Halves halve(const SkyMap *m, const Part *p)
     return h;
 }
 
-static void take_half(Part *p, const Halves *h, bool second)
+/* Which half it is nobody can foretell: by numbers, without a branch. */
+INLINE void take_half(Part *p, const Halves *h, int second)
 {
-    if (h->by_x) {
-        if (second) {
-            p->x0 = h->at;
-            p->f00 = h->f0;
-            p->f01 = h->f1;
-            p->s00 = h->s0;
-            p->s01 = h->s1;
-        } else {
-            p->x1 = h->at;
-            p->f10 = h->f0;
-            p->f11 = h->f1;
-            p->s10 = h->s0;
-            p->s11 = h->s1;
-        }
-    } else if (second) {
-        p->y0 = h->at;
-        p->f00 = h->f0;
-        p->f10 = h->f1;
-        p->s00 = h->s0;
-        p->s10 = h->s1;
-    } else {
-        p->y1 = h->at;
-        p->f01 = h->f0;
-        p->f11 = h->f1;
-        p->s01 = h->s0;
-        p->s11 = h->s1;
-    }
-}
+    int on = 1 + h->axis, corner = on * (1 - second);
 
-static bool is_cell(const Part *p) { return p->x1 - p->x0 <= 1 && p->y1 - p->y0 <= 1; }
+    p->f[corner] = h->f[0];
+    p->s[corner] = h->s[0];
+    p->f[corner + 3 - on] = h->f[1];
+    p->s[corner + 3 - on] = h->s[1];
+    p->edge[1 - second][h->axis] = h->at;
+}
 
 /* Density per solid angle of a cell that is drawn with this probability. */
 static float cell_pdf_w(const SkyMap *m, double probability, float jacobian)
@@ -404,14 +376,16 @@ static float cell_pdf_w(const SkyMap *m, double probability, float jacobian)
     return jacobian > 0.0f ? (float)(probability * ((double)m->w * m->h) / (double)jacobian) : 0.0f;
 }
 
-/* Which half a canonical number falls in; it becomes canonical again, within that. errata 5.2 */
-static bool falls_second(double *u, double a, double all)
+/* Which half a canonical number falls in; it becomes canonical again, within that: at most
+ * 1 - 2^-50, of which no product with `all` rounds up to `all`. So a half of weight 0 is never the
+ * one. errata 5.2 */
+INLINE int falls_second(double *u, double a, double all)
 {
-    double x = *u * all, b = all - a;
-    bool second = (x >= a && b > 0.0) || !(a > 0.0);
+    double x = *u * all;
+    int second = x >= a;
+    double weight = second ? all - a : a;
 
-    *u = second ? (x - a) / b : x / a;
-    *u = *u < 1.0 ? *u : 1.0 - 0x1p-53;
+    *u = d_min((x - (second ? a : 0.0)) / weight, 1.0 - 0x1p-50);
     return second;
 }
 
@@ -422,28 +396,87 @@ static float place_in(uint32_t cell, double rest, uint32_t n)
     return x >= 1.0f || k > cell ? x - 0x1p-24f : k < cell ? x + 0x1p-24f : x;
 }
 
-void partition_warp(const Partition *p, V2 u, PartitionSample *out)
-{
-    double s = u.x, t = u.y, probability;
-    const PartitionNode *r = &p->node[0];
-    float jacobian;
+/* A point on its way. */
+typedef struct {
+    double at[2], chosen, among;
+    const PartitionNode *r;
     Part part;
+} Fall;
 
-    while (r->child) {                                  /* [Cline07 fig. 5.13] */
-        const PartitionNode *a = &p->node[r->child];
-        r = a + falls_second(r->by_x ? &s : &t, a->weight, r->weight);
+/* Several at once, step by step: each step waits for the one before it, and the processor has the
+ * others to go on with. */
+enum { TOGETHER = 8 };
+
+static void fall_to_leaves(const Partition *p, Fall *f, int n)
+{
+    int falling = n;
+
+    for (int i = 0; i < n; i++)
+        f[i].r = &p->node[0];
+    while (falling) {                                   /* [Cline07 fig. 5.13] */
+        falling = 0;
+        for (int i = 0; i < n; i++) {
+            const PartitionNode *r = f[i].r, *a = &p->node[r->child];
+            if (!r->child)
+                continue;
+            f[i].r = a + falls_second(&f[i].at[!r->by_x], a->weight, r->weight);
+            falling++;
+        }
     }
-    probability = r->weight / p->node[0].weight;
-    part = part_of(p->map, r);
-    while (!is_cell(&part)) {
-        Halves h = halve(p->map, &part);
-        bool second = falls_second(h.by_x ? &s : &t, h.a, h.all);
-        probability *= (second ? h.all - h.a : h.a) / h.all;
-        take_half(&part, &h, second);
+    for (int i = 0; i < n; i++) {
+        f[i].chosen = f[i].r->weight;
+        f[i].among = p->node[0].weight;
+        f[i].part = part_of(p->map, f[i].r);
     }
-    out->place = (V2){ place_in(part.x0, s, p->map->w), place_in(part.y0, t, p->map->h) };
-    out->wi = v_unit(skymap_direction(p->map, out->place, &jacobian));
-    out->pdf_w = cell_pdf_w(p->map, probability, jacobian);
+}
+
+static void fall_to_cells(const SkyMap *m, Fall *f, int n)
+{
+    int falling = n;
+
+    while (falling) {                                   /* [Cline07 fig. 5.14] */
+        falling = 0;
+        for (int i = 0; i < n; i++) {
+            Halves h;
+            int second;
+            if (is_cell(&f[i].part))
+                continue;
+            h = halve(m, &f[i].part);
+            second = falls_second(&f[i].at[h.axis], h.a, h.all);
+            f[i].chosen *= second ? h.all - h.a : h.a;
+            f[i].among *= h.all;
+            take_half(&f[i].part, &h, second);
+            falling++;
+        }
+    }
+}
+
+static void warp_some(const Partition *p, const V2 *u, PartitionSample *out, int n)
+{
+    const SkyMap *m = p->map;
+    Fall f[TOGETHER];
+    float jacobian;
+
+    for (int i = 0; i < n; i++) {
+        f[i].at[0] = (double)u[i].x;
+        f[i].at[1] = (double)u[i].y;
+    }
+    fall_to_leaves(p, f, n);
+    fall_to_cells(m, f, n);
+    for (int i = 0; i < n; i++) {
+        out[i].place = (V2){ place_in(f[i].part.edge[0][0], f[i].at[0], m->w),
+                             place_in(f[i].part.edge[0][1], f[i].at[1], m->h) };
+        out[i].wi = v_unit(skymap_direction(m, out[i].place, &jacobian));
+        out[i].pdf_w = cell_pdf_w(m, f[i].chosen / f[i].among, jacobian);
+    }
+}
+
+void partition_warp(const Partition *p, V2 u, PartitionSample *s) { warp_some(p, &u, s, 1); }
+
+void partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, int n)
+{
+    for (int i = 0; i < n; i += TOGETHER)
+        warp_some(p, u + i, s + i, n - i < TOGETHER ? n - i : TOGETHER);
 }
 
 /* ---- back ---- */
@@ -473,11 +506,10 @@ static double find_cell(const Partition *p, uint32_t x, uint32_t y, double at[2]
     part = part_of(p->map, r);
     while (!is_cell(&part)) {
         Halves h = halve(p->map, &part);
-        bool second = (h.by_x ? x : y) >= h.at;
+        bool second = (h.axis ? y : x) >= h.at;
         double share = (second ? h.all - h.a : h.a) / h.all;
-        int k = h.by_x ? 0 : 1;
-        at[k] += second ? side[k] * (h.a / h.all) : 0.0;
-        side[k] *= share;
+        at[h.axis] += second ? side[h.axis] * (h.a / h.all) : 0.0;
+        side[h.axis] *= share;
         probability *= share;
         take_half(&part, &h, second);
     }

@@ -64,6 +64,8 @@ typedef struct {
 } PartitionSample;
 
 void  partition_warp(const Partition *p, V2 u, PartitionSample *s);
+/* The same of n points, which go faster together. */
+void  partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, int n);
 /* The density of wi; 0 outside the root and where the map is black. */
 float partition_pdf_w(const Partition *p, V3 wi);
 /* The point that is warped to wi, and its density. False: no point is. */
