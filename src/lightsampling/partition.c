@@ -3,6 +3,8 @@
 
 /* ---- stage one ---- */
 
+enum { KEY_LEAVES = 1023 };     /* PARTITION_NODES and more, all ones */
+
 /* f and where it comes from, while the tree grows. */
 typedef struct { Partition *p; const SkyMap *m; const PartitionOrder *o; } Growth;
 
@@ -30,13 +32,23 @@ static float potential_of(const PartitionNode *r)
     return 0.5f * sqrtf(s) * (float)r->sum * (w * h);
 }
 
+/* As a whole number: floats that are not negative go by their bits. The last of them give way to
+ * the leaf's number, so that the largest of all says whose it is: which of two within 1/8192 of
+ * each other goes first does not matter. */
+static uint32_t key_of(int i, float potential)
+{
+    uint32_t bits;
+    memcpy(&bits, &potential, sizeof bits);
+    return potential > 0.0f ? (bits & ~(uint32_t)KEY_LEAVES) | (uint32_t)i : 0;
+}
+
 static void finish_leaf(Growth *g, int i, double sum)
 {
     PartitionNode *r = &g->p->node[i];
 
     r->child = 0;
     r->sum = sum;
-    g->p->potential[i] = potential_of(r);
+    g->p->key[i] = key_of(i, potential_of(r));
 }
 
 /* The leaf that holds a cell of the root. */
@@ -64,9 +76,9 @@ static void split_x(Growth *g, int i, uint32_t at, float upper, float lower)
     a->f[3] = b->f[2] = lower;
     r->by_x = true;
     r->child = (uint16_t)p->n;
-    p->potential[i] = -1.0f;
+    p->key[i] = 0;
     finish_leaf(g, p->n, left);
-    finish_leaf(g, p->n + 1, skymap_sum(g->m, at, r->y0, r->x1, r->y1));
+    finish_leaf(g, p->n + 1, d_max(0.0, r->sum - left));
     p->n += 2;
 }
 
@@ -74,7 +86,7 @@ static void split_y(Growth *g, int i, uint32_t at, float left, float right)
 {
     Partition *p = g->p;
     PartitionNode *r = &p->node[i], *a = &p->node[p->n], *b = a + 1;
-    double top = skymap_sum(g->m, r->x0, r->y0, r->x1, at);
+    double upper = skymap_sum(g->m, r->x0, r->y0, r->x1, at);
 
     *a = *b = *r;
     a->y1 = b->y0 = r->split = (uint16_t)at;
@@ -82,9 +94,9 @@ static void split_y(Growth *g, int i, uint32_t at, float left, float right)
     a->f[3] = b->f[1] = right;
     r->by_x = false;
     r->child = (uint16_t)p->n;
-    p->potential[i] = -1.0f;
-    finish_leaf(g, p->n, top);
-    finish_leaf(g, p->n + 1, skymap_sum(g->m, r->x0, at, r->x1, r->y1));
+    p->key[i] = 0;
+    finish_leaf(g, p->n, upper);
+    finish_leaf(g, p->n + 1, d_max(0.0, r->sum - upper));
     p->n += 2;
 }
 
@@ -244,12 +256,13 @@ static void divide_by_potential(Growth *g)
     const Partition *p = g->p;
 
     for (int k = 0; k < g->o->splits && !is_full(g); k++) {
-        int best = 0;
-        for (int i = 1; i < p->n; i++)
-            if (p->potential[i] > p->potential[best])
-                best = i;
-        if (!(p->potential[best] > 0.0f))
+        uint32_t most = 0;
+        int best;
+        for (int i = 0; i < p->n; i++)
+            most = most > p->key[i] ? most : p->key[i];
+        if (!most)
             return;
+        best = (int)(most & KEY_LEAVES);
         if (better_by_x(&p->node[best]))
             divide_x(g, best, (p->node[best].x0 + p->node[best].x1) / 2u);
         else
@@ -304,89 +317,131 @@ bool partition_make(Partition *p, const SkyMap *m, const PartitionOrder *o)
 
 /* ---- stage two ---- */
 
-/* A part of a leaf: cells, f at its corners, the table's entries there. Corners are numbered x +
- * 2 y, so that the next one along the axis x or y is 1 or 2 further on, whichever the axis is. */
-typedef struct {
-    uint32_t edge[2][2];        /* first column and row; those beyond the last */
-    double f[4], s[4];
-} Part;
+/* Points on their way, and the part of a leaf that each is in. Steps are the same for all, without
+ * branches, so that a compiler can do several at once and the processor need not guess which half
+ * it will be. */
+enum { TOGETHER = 8 };
 
-static Part part_of(const SkyMap *m, const PartitionNode *r)
+typedef struct {
+    double u[2][TOGETHER];              /* the point, canonical within its part */
+    double probability[TOGETHER];       /* of the part */
+    int64_t x0[TOGETHER], x1[TOGETHER], y0[TOGETHER], y1[TOGETHER];
+    double f00[TOGETHER], f10[TOGETHER], f01[TOGETHER], f11[TOGETHER];     /* f at its corners */
+    double s00[TOGETHER], s10[TOGETHER], s01[TOGETHER], s11[TOGETHER];     /* and of the table */
+    int64_t x[TOGETHER], y[TOGETHER];   /* where it is cut */
+    double top[TOGETHER], end[TOGETHER], left[TOGETHER], right[TOGETHER];  /* of the table there */
+    double middle[TOGETHER];
+} Falls;
+
+static void start_in(Falls *p, int i, const SkyMap *m, const PartitionNode *r, double probability)
 {
     const double *top = m->sum + (size_t)r->y0 * (m->w + 1);
     const double *end = m->sum + (size_t)r->y1 * (m->w + 1);
 
-    return (Part){ { { r->x0, r->y0 }, { r->x1, r->y1 } },
-                   { (double)r->f[0], (double)r->f[1], (double)r->f[2], (double)r->f[3] },
-                   { top[r->x0], top[r->x1], end[r->x0], end[r->x1] } };
+    p->probability[i] = probability;
+    p->x0[i] = r->x0;
+    p->x1[i] = r->x1;
+    p->y0[i] = r->y0;
+    p->y1[i] = r->y1;
+    p->f00[i] = (double)r->f[0];
+    p->f10[i] = (double)r->f[1];
+    p->f01[i] = (double)r->f[2];
+    p->f11[i] = (double)r->f[3];
+    p->s00[i] = top[r->x0];
+    p->s10[i] = top[r->x1];
+    p->s01[i] = end[r->x0];
+    p->s11[i] = end[r->x1];
 }
 
-INLINE uint32_t side_of(const Part *p, int axis) { return p->edge[1][axis] - p->edge[0][axis]; }
-INLINE bool is_cell(const Part *p) { return side_of(p, 0) * side_of(p, 1) == 1; }
-
-/* Where a part is cut, before it is one of its halves. */
-typedef struct {
-    int    axis;
-    uint32_t at;
-    double f[2], s[2];          /* on the cut, at its two ends */
-    double a, all;              /* weight of the first half, and of both */
-} Halves;
-
-/* [Cline07 fig. 5.14]. Both halves count their part of the light, of which the table's roundings
- * may leave none: then they go by area. */
-INLINE Halves halve(const SkyMap *m, const Part *p)
+/* Middles, rounded up: of a single cell the cut is its far edge, and all of it in the first half.
+ * False: all parts are cells. */
+INLINE bool look_up(Falls *p, const SkyMap *m, int n)
 {
-    size_t pitch[2] = { 1, m->w + 1 };
-    int axis = side_of(p, 0) <= side_of(p, 1);
-    int other = 1 - axis, on = 1 + axis, across = 2 - axis;     /* to the next corner */
-    uint32_t first = p->edge[0][axis], last = p->edge[1][axis], at = (first + last) / 2;
-    double share = (double)(at - first) / (double)(last - first), b;
-    const double *cut = m->sum + at * pitch[axis];
-    Halves h = { axis, at, { p->f[0] + share * (p->f[on] - p->f[0]),
-                             p->f[across] + share * (p->f[3] - p->f[across]) },
-                 { cut[p->edge[0][other] * pitch[other]], cut[p->edge[1][other] * pitch[other]] }, 0, 0 };
+    size_t pitch = m->w + 1;
+    int64_t more = 0;
 
-    h.a = d_max(0.0, (h.s[1] - p->s[across]) - (h.s[0] - p->s[0])) *
-          ((p->f[0] + p->f[across]) + (h.f[0] + h.f[1]));
-    b = d_max(0.0, (p->s[3] - h.s[1]) - (p->s[on] - h.s[0])) *
-        ((p->f[on] + p->f[3]) + (h.f[0] + h.f[1]));
-    h.all = h.a + b;
-    if (UNLIKELY(!(h.all > 0.0))) {
-        h.a = share;
-        h.all = 1.0;
+    for (int i = 0; i < n; i++) {
+        const double *row;
+        p->x[i] = (p->x0[i] + p->x1[i] + 1) / 2;
+        p->y[i] = (p->y0[i] + p->y1[i] + 1) / 2;
+        more |= (p->x1[i] - p->x[i]) | (p->y1[i] - p->y[i]);
+        row = m->sum + (size_t)p->y[i] * pitch;
+        p->top[i] = m->sum[(size_t)p->y0[i] * pitch + (size_t)p->x[i]];
+        p->end[i] = m->sum[(size_t)p->y1[i] * pitch + (size_t)p->x[i]];
+        p->left[i] = row[p->x0[i]];
+        p->right[i] = row[p->x1[i]];
+        p->middle[i] = row[p->x[i]];
     }
-    return h;
+    return more != 0;
 }
 
-/* Which half it is nobody can foretell: by numbers, without a branch. */
-INLINE void take_half(Part *p, const Halves *h, int second)
+/* Which of two a canonical number falls on; it becomes canonical again, within that: at most
+ * 1 - 2^-50, of which no product with `all` rounds up to `all`. So one of weight 0 never is the
+ * one. errata 5.2 */
+INLINE bool falls_second(double *u, double first, double all)
 {
-    int on = 1 + h->axis, corner = on * (1 - second);
+    double x = *u * all;
+    bool second = x >= first;
 
-    p->f[corner] = h->f[0];
-    p->s[corner] = h->s[0];
-    p->f[corner + 3 - on] = h->f[1];
-    p->s[corner + 3 - on] = h->s[1];
-    p->edge[1 - second][h->axis] = h->at;
+    *u = d_min((x - (second ? first : 0.0)) / (second ? all - first : first), 1.0 - 0x1p-50);
+    return second;
+}
+
+/* One step [Cline07 fig. 5.14], but by columns and rows at once: half as many, and how much is on
+ * each side is known better. f on the cut is half of both ends, also where cells do not divide
+ * evenly; if there is but one, the cut is its far edge. All quarters count their part of the light,
+ * of which the table's roundings may leave none: then the first takes all. towards NULL: the way
+ * goes by the point; else to that cell, and corner and side of the part's preimage are noted. */
+typedef struct { int64_t x, y; double at[2], side[2]; } Aim;
+
+INLINE void step(Falls *p, int i, Aim *towards)
+{
+    double f00 = p->f00[i], f10 = p->f10[i], f01 = p->f01[i], f11 = p->f11[i];
+    double s00 = p->s00[i], s10 = p->s10[i], s01 = p->s01[i], s11 = p->s11[i];
+    double top = p->top[i], end = p->end[i], left = p->left[i], right = p->right[i];
+    double middle = p->middle[i];
+    double by_x = p->x[i] == p->x1[i] ? 1.0 : 0.5, by_y = p->y[i] == p->y1[i] ? 1.0 : 0.5;
+    double f_top = f00 + by_x * (f10 - f00), f_end = f01 + by_x * (f11 - f01);
+    double f_left = f00 + by_y * (f01 - f00), f_right = f10 + by_y * (f11 - f10);
+    double f = f_top + by_y * (f_end - f_top);
+    double w00 = d_max(0.0, (middle - left) - (top - s00)) * ((f00 + f_top) + (f_left + f));
+    double w10 = d_max(0.0, (right - middle) - (s10 - top)) * ((f10 + f_top) + (f_right + f));
+    double w01 = d_max(0.0, (end - s01) - (middle - left)) * ((f01 + f_end) + (f_left + f));
+    double w11 = d_max(0.0, (s11 - end) - (right - middle)) * ((f11 + f_end) + (f_right + f));
+    double none = w00 + w01 + (w10 + w11) > 0.0 ? 0.0 : 1.0;
+    double first = w00 + none + w01, all = first + (w10 + w11), upper, column;
+    bool b, c;                          /* right, lower */
+
+    b = towards ? towards->x >= p->x[i] : falls_second(&p->u[0][i], first, all);
+    upper = b ? w10 : w00 + none;
+    column = upper + (b ? w11 : w01);
+    c = towards ? towards->y >= p->y[i] : falls_second(&p->u[1][i], upper, column);
+    if (towards) {
+        double of_row = column > 0.0 ? upper / column : 1.0;
+        towards->at[0] += b ? towards->side[0] * (first / all) : 0.0;
+        towards->at[1] += c ? towards->side[1] * of_row : 0.0;
+        towards->side[0] *= (b ? all - first : first) / all;
+        towards->side[1] *= c ? 1.0 - of_row : of_row;
+    }
+    p->probability[i] *= (c ? column - upper : upper) / all;
+    p->f00[i] = c ? (b ? f : f_left) : b ? f_top : f00;
+    p->f10[i] = c ? (b ? f_right : f) : b ? f10 : f_top;
+    p->f01[i] = c ? (b ? f_end : f01) : b ? f : f_left;
+    p->f11[i] = c ? (b ? f11 : f_end) : b ? f_right : f;
+    p->s00[i] = c ? (b ? middle : left) : b ? top : s00;
+    p->s10[i] = c ? (b ? right : middle) : b ? s10 : top;
+    p->s01[i] = c ? (b ? end : s01) : b ? middle : left;
+    p->s11[i] = c ? (b ? s11 : end) : b ? right : middle;
+    p->x0[i] = b ? p->x[i] : p->x0[i];
+    p->x1[i] = b ? p->x1[i] : p->x[i];
+    p->y0[i] = c ? p->y[i] : p->y0[i];
+    p->y1[i] = c ? p->y1[i] : p->y[i];
 }
 
 /* Density per solid angle of a cell that is drawn with this probability. */
 static float cell_pdf_w(const SkyMap *m, double probability, float jacobian)
 {
     return jacobian > 0.0f ? (float)(probability * ((double)m->w * m->h) / (double)jacobian) : 0.0f;
-}
-
-/* Which half a canonical number falls in; it becomes canonical again, within that: at most
- * 1 - 2^-50, of which no product with `all` rounds up to `all`. So a half of weight 0 is never the
- * one. errata 5.2 */
-INLINE int falls_second(double *u, double a, double all)
-{
-    double x = *u * all;
-    int second = x >= a;
-    double weight = second ? all - a : a;
-
-    *u = d_min((x - (second ? a : 0.0)) / weight, 1.0 - 0x1p-50);
-    return second;
 }
 
 static float place_in(uint32_t cell, double rest, uint32_t n)
@@ -396,124 +451,92 @@ static float place_in(uint32_t cell, double rest, uint32_t n)
     return x >= 1.0f || k > cell ? x - 0x1p-24f : k < cell ? x + 0x1p-24f : x;
 }
 
-/* A point on its way. */
-typedef struct {
-    double at[2], chosen, among;
-    const PartitionNode *r;
-    Part part;
-} Fall;
-
-/* Several at once, step by step: each step waits for the one before it, and the processor has the
- * others to go on with. */
-enum { TOGETHER = 8 };
-
-static void fall_to_leaves(const Partition *p, Fall *f, int n)
+/* To the leaves [Cline07 fig. 5.13]. Who is there waits for the others: all of it is in the first
+ * of its children, itself. */
+INLINE void fall_to_leaves(const Partition *p, Falls *f, int lanes)
 {
-    int falling = n;
+    double first[TOGETHER], all[TOGETHER];
+    int64_t node[TOGETHER] = { 0 }, child[TOGETHER], by_y[TOGETHER];
 
-    for (int i = 0; i < n; i++)
-        f[i].r = &p->node[0];
-    while (falling) {                                   /* [Cline07 fig. 5.13] */
-        falling = 0;
-        for (int i = 0; i < n; i++) {
-            const PartitionNode *r = f[i].r, *a = &p->node[r->child];
-            if (!r->child)
-                continue;
-            f[i].r = a + falls_second(&f[i].at[!r->by_x], a->weight, r->weight);
-            falling++;
+    for (;;) {
+        int more = 0;
+        for (int i = 0; i < lanes; i++) {
+            const PartitionNode *r = &p->node[node[i]];
+            more |= r->child;
+            child[i] = r->child ? r->child : node[i];
+            by_y[i] = !r->by_x;
+            first[i] = p->node[child[i]].weight;
+            all[i] = r->weight;
+        }
+        if (!more)
+            break;
+        for (int i = 0; i < lanes; i++) {
+            double u = by_y[i] ? f->u[1][i] : f->u[0][i];
+            node[i] = child[i] + falls_second(&u, first[i], all[i]);
+            f->u[0][i] = by_y[i] ? f->u[0][i] : u;
+            f->u[1][i] = by_y[i] ? u : f->u[1][i];
         }
     }
-    for (int i = 0; i < n; i++) {
-        f[i].chosen = f[i].r->weight;
-        f[i].among = p->node[0].weight;
-        f[i].part = part_of(p->map, f[i].r);
-    }
+    for (int i = 0; i < lanes; i++)
+        start_in(f, i, p->map, &p->node[node[i]], all[i] / p->node[0].weight);
 }
 
-static void fall_to_cells(const SkyMap *m, Fall *f, int n)
-{
-    int falling = n;
-
-    while (falling) {                                   /* [Cline07 fig. 5.14] */
-        falling = 0;
-        for (int i = 0; i < n; i++) {
-            Halves h;
-            int second;
-            if (is_cell(&f[i].part))
-                continue;
-            h = halve(m, &f[i].part);
-            second = falls_second(&f[i].at[h.axis], h.a, h.all);
-            f[i].chosen *= second ? h.all - h.a : h.a;
-            f[i].among *= h.all;
-            take_half(&f[i].part, &h, second);
-            falling++;
-        }
-    }
-}
-
-static void warp_some(const Partition *p, const V2 *u, PartitionSample *out, int n)
+INLINE void fall(const Partition *p, const V2 *u, PartitionSample *out, int n, int lanes)
 {
     const SkyMap *m = p->map;
-    Fall f[TOGETHER];
     float jacobian;
+    Falls f;
 
-    for (int i = 0; i < n; i++) {
-        f[i].at[0] = (double)u[i].x;
-        f[i].at[1] = (double)u[i].y;
+    for (int i = 0; i < lanes; i++) {
+        f.u[0][i] = (double)u[i < n ? i : 0].x;
+        f.u[1][i] = (double)u[i < n ? i : 0].y;
     }
-    fall_to_leaves(p, f, n);
-    fall_to_cells(m, f, n);
+    fall_to_leaves(p, &f, lanes);
+    while (look_up(&f, m, lanes))
+        for (int i = 0; i < lanes; i++)
+            step(&f, i, NULL);
     for (int i = 0; i < n; i++) {
-        out[i].place = (V2){ place_in(f[i].part.edge[0][0], f[i].at[0], m->w),
-                             place_in(f[i].part.edge[0][1], f[i].at[1], m->h) };
+        out[i].place = (V2){ place_in((uint32_t)f.x0[i], f.u[0][i], m->w),
+                             place_in((uint32_t)f.y0[i], f.u[1][i], m->h) };
         out[i].wi = v_unit(skymap_direction(m, out[i].place, &jacobian));
-        out[i].pdf_w = cell_pdf_w(m, f[i].chosen / f[i].among, jacobian);
+        out[i].pdf_w = cell_pdf_w(m, f.probability[i], jacobian);
     }
 }
 
-void partition_warp(const Partition *p, V2 u, PartitionSample *s) { warp_some(p, &u, s, 1); }
+void partition_warp(const Partition *p, V2 u, PartitionSample *s) { fall(p, &u, s, 1, 1); }
 
 void partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, int n)
 {
     for (int i = 0; i < n; i += TOGETHER)
-        warp_some(p, u + i, s + i, n - i < TOGETHER ? n - i : TOGETHER);
+        fall(p, u + i, s + i, n - i < TOGETHER ? n - i : TOGETHER, TOGETHER);
 }
 
 /* ---- back ---- */
 
 /* The cell's probability, and the rectangle of the unit square that is warped to it. */
-static double find_cell(const Partition *p, uint32_t x, uint32_t y, double at[2], double side[2])
+static double find_cell(const Partition *p, Aim *aim)
 {
     const PartitionNode *r = &p->node[0];
-    double probability;
-    Part part;
+    Falls f;
 
-    at[0] = at[1] = 0.0;
-    side[0] = side[1] = 1.0;
-    if (y < r->y0 || y >= r->y1)
+    aim->at[0] = aim->at[1] = 0.0;
+    aim->side[0] = aim->side[1] = 1.0;
+    if (aim->y < r->y0 || aim->y >= r->y1)
         return 0.0;
     while (r->child) {
         const PartitionNode *a = &p->node[r->child];
-        bool second = (r->by_x ? x : y) >= r->split;
+        bool second = (r->by_x ? aim->x : aim->y) >= r->split;
         int k = r->by_x ? 0 : 1;
-        at[k] += second ? side[k] * (a->weight / r->weight) : 0.0;
-        side[k] *= (second ? r->weight - a->weight : a->weight) / r->weight;
+        aim->at[k] += second ? aim->side[k] * (a->weight / r->weight) : 0.0;
+        aim->side[k] *= (second ? r->weight - a->weight : a->weight) / r->weight;
         r = a + second;
         if (!(r->weight > 0.0))
             return 0.0;
     }
-    probability = r->weight / p->node[0].weight;
-    part = part_of(p->map, r);
-    while (!is_cell(&part)) {
-        Halves h = halve(p->map, &part);
-        bool second = (h.axis ? y : x) >= h.at;
-        double share = (second ? h.all - h.a : h.a) / h.all;
-        at[h.axis] += second ? side[h.axis] * (h.a / h.all) : 0.0;
-        side[h.axis] *= share;
-        probability *= share;
-        take_half(&part, &h, second);
-    }
-    return probability;
+    start_in(&f, 0, p->map, r, r->weight / p->node[0].weight);
+    while (f.probability[0] > 0.0 && look_up(&f, p->map, 1))
+        step(&f, 0, aim);
+    return f.probability[0];
 }
 
 float partition_pdf_w(const Partition *p, V3 wi)
@@ -533,13 +556,14 @@ bool partition_unwarp(const Partition *p, V3 wi, V2 *u, float *pdf_w)
     const SkyMap *m = p->map;
     float jacobian;
     V2 place = skymap_place(m, wi, &jacobian);
-    double at[2], side[2], probability;
     uint32_t x, y;
+    Aim aim;
 
     skymap_cell(m, place, &x, &y);
-    probability = find_cell(p, x, y, at, side);
-    *pdf_w = cell_pdf_w(m, probability, jacobian);
-    *u = (V2){ canonical(at[0] + side[0] * ((double)place.x * m->w - x)),
-               canonical(at[1] + side[1] * ((double)place.y * m->h - y)) };
+    aim.x = x;
+    aim.y = y;
+    *pdf_w = cell_pdf_w(m, find_cell(p, &aim), jacobian);
+    *u = (V2){ canonical(aim.at[0] + aim.side[0] * ((double)place.x * m->w - x)),
+               canonical(aim.at[1] + aim.side[1] * ((double)place.y * m->h - y)) };
     return *pdf_w > 0.0f;
 }

@@ -37,7 +37,7 @@ typedef struct {
     float floor;                /* least f, see above */
     int   n;                    /* nodes; node[0] is the root */
     PartitionNode node[PARTITION_NODES];
-    float potential[PARTITION_NODES];           /* of leaves (5.3); others below 0 */
+    uint32_t key[PARTITION_NODES];      /* of leaves by potential (5.3); of others 0 */
 } Partition;
 
 /* What a partition is made for. Directions are unit, of the world. */
