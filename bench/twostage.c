@@ -1,12 +1,12 @@
 /* twostage.c -- two stage importance sampling against its publication, [Cline07 5].
  *
- * 5.8        how sigma/mu falls with samples, on unshadowed spheres of three models, by two stages and
- *            by multiple importance sampling: slopes of lines through the logarithms. Each pixel has
- *            one eye ray, through its middle, so that nothing but these samples makes noise.
+ * 5.8        how sigma/mu falls with samples, on unshadowed spheres of three models, by two stages
+ *            and by multiple importance sampling: slopes of lines through the logarithms. Each
+ *            pixel has one eye ray, through its middle: only these samples make noise.
  * 5.1        a matt and a glossy floor, with shadows: sigma/mu, and at equal time.
- * Galileo's Tomb is not at hand: ours is scenes/probe.hdr.
  * cost       a partition and 32 points warped by it, against the 32 shadow rays that they serve, at
- *            what the eye sees of a scene of 120,000 triangles under a probe. */
+ *            what the eye sees of a scene of 120,000 triangles under a probe.
+ * Galileo's Tomb is not at hand: ours is scenes/probe.hdr. For figure 5.9 see adaptive.c. */
 #include "base/file.h"
 #include "bench/bench.h"
 #include "image/compare.h"

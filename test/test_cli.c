@@ -264,7 +264,7 @@ static void wrong_settings(void)
         { "tiny.pbrt --quiet --integrator path:maxdepth=-3",
           "path: 'maxdepth=-3' is not right, expected maxdepth=(a whole number from 0 to 100000)" },
         { "tiny.pbrt --quiet --integrator path:strategy=both", "path: 'strategy=both' is not "
-          "right, expected strategy=(one of implicit explicit mis ris)" },
+          "right, expected strategy=(one of implicit explicit mis ris twostage)" },
         { "tiny.pbrt --quiet --filter=box:xradius=x",
           "box: 'xradius=x' is not right, expected xradius=(a number from 0 to 100)" },
         { "tiny.pbrt --quiet --aov normal",

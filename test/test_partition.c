@@ -7,6 +7,8 @@
 #include "test/chi2.h"
 #include "test/physics.h"
 
+#include <stdio.h>
+
 /* ---- skies ---- */
 
 static Rgb constant(V3 w) { (void)w; return rgb(1, 2, 3); }

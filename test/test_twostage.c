@@ -128,7 +128,9 @@ static void surfaces(void)
         { "direct:strategy=twostage,samples=8,peaks=sampled,maxdepth=3", 4, 0.08 },
         { NULL, 0, 0 }
     };
-    static const Way paths[] = { { "path:strategy=twostage,maxdepth=3", 12, 0.08 }, { NULL, 0, 0 } };
+    static const Way paths[] = {
+        { "path:strategy=twostage,maxdepth=3", 12, 0.08 }, { NULL, 0, 0 }
+    };
     uint32_t glass, paper, mixed, coat;
     Lab l;
 

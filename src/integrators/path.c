@@ -410,7 +410,8 @@ static Integrator *open_path(const Scene *s, const Opts *o)
 static const OptDef options[] = {
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis ris twostage",
+    { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
+      .choices = "implicit explicit mis ris twostage",
       .help = "how paths are completed: by meeting lights, by asking for them, by both; by one of "
               "many candidates; twostage: asking the sky by its product with the surface, other "
               "lights as mis (all of them, if no picture or constant is beyond the scene)" },
