@@ -100,20 +100,22 @@ static void all_skies(void)
 static void large(void)
 {
     static const Way ways[] = {
-        { "direct:strategy=twostage,samples=16", 8, 0.03 },
-        { "path:strategy=twostage,maxdepth=1", 16, 0.03 },
+        { "direct:strategy=twostage,samples=16", 4, 0.06 },
+        { "path:strategy=twostage,maxdepth=1", 8, 0.06 },
         { NULL, 0, 0 }
     };
-    static const uint32_t size[] = { 4096, 2048, 6000, 3000 };
+    static const struct { uint32_t w, h; Rgb (*f)(V3 w); } sky[] = {
+        { 4096, 2048, one_bright }, { 4500, 2250, cloudy }
+    };
 
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 2; k++) {
         Lab l;
         lab_init(&l);
-        add_things(&l, k % 2 == 0);
-        lab_sky(&l, size[k / 2 * 2], size[k / 2 * 2 + 1], k < 2 ? cloudy : one_bright, NULL);
+        add_things(&l, k == 0);
+        lab_sky(&l, sky[k].w, sky[k].h, sky[k].f, NULL);
         lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
         lab_build(&l);
-        expect_agreement(&l, "direct:strategy=mis,lightsamples=8,bsdfsamples=8", 16, ways,
+        expect_agreement(&l, "direct:strategy=mis,lightsamples=8,bsdfsamples=8", 8, ways,
                          "large");
         lab_clear(&l);
     }

@@ -45,6 +45,7 @@ static void finish_leaf(Growth *g, int i, double sum)
     PartitionNode *r = &g->p->node[i];
 
     r->child = 0;
+    r->by_x = false;
     r->sum = sum;
     g->p->key[i] = key_of(i, potential_of(r));
 }
