@@ -5,6 +5,7 @@
 #include "lightsampling/partition.h"
 #include "sampling/warp.h"
 #include "test/chi2.h"
+#include "test/partition_help.h"
 #include "test/physics.h"
 
 #include <stdio.h>
@@ -172,20 +173,6 @@ static void tiles(void)
 
 /* ---- drawing ---- */
 
-static bool draw(const void *of, Rng *rng, V3 *w)
-{
-    PartitionSample s;
-    V2 u;
-
-    u.x = rng_unit(rng);
-    u.y = rng_unit(rng);
-    partition_warp(of, u, &s);
-    *w = s.wi;
-    return true;
-}
-
-static double density(const void *of, V3 w) { return (double)partition_pdf_w(of, w); }
-
 /* Bins are the map's cells, or cut them where those are not. */
 static void draws(void)
 {
@@ -194,7 +181,8 @@ static void draws(void)
     for (int k = 1; k < NSKIES; k++)
         for (int n = 0; n < NNORMALS; n += test_is_long() ? 1 : 4) {
             Lobe l = lobe_about(normals[n], 50.0f, 0.8f);
-            Chi2 c = { draw, density, &p, false, 200000, (uint64_t)n, 64, 128, 2, 0 };
+            Chi2 c = { partition_draw, partition_density, &p, false, 200000, (uint64_t)n,
+                       64, 128, 2, 0 };
             Setting s;
             char what[80];
             sky_make(&s, &skies[k], NULL);

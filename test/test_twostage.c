@@ -9,6 +9,7 @@
 #include "integrators/twostage.h"
 #include "sampling/warp.h"
 #include "test/chi2.h"
+#include "test/partition_help.h"
 #include "test/pictures.h"
 
 #include <stdio.h>
@@ -257,19 +258,6 @@ static void pays(void)
 
 /* ---- densities: six models, three normals, three maps ---- */
 
-static bool draw(const void *of, Rng *rng, V3 *w)
-{
-    PartitionSample s;
-    V2 u;
-
-    u.x = rng_unit(rng);
-    u.y = rng_unit(rng);
-    partition_warp(of, u, &s);
-    *w = s.wi;
-    return true;
-}
-static double density(const void *of, V3 w) { return (double)partition_pdf_w(of, w); }
-
 static const char *const models[][2] = {
     { "diffuse", "reflectance=0.5" }, { "orennayar", "sigma=40" },
     { "phong", "reflectance=0.1,specular=0.8,exponent=200" },
@@ -288,7 +276,8 @@ static void density_of(int model, int normal, int sky)
     Ray r = ray_towards(v_add(v_scale(n, 2), v_scale(frame_about(n).t, 1.5f)), v_all(0));
     Frame f = frame_about(n);
     const Sky *s = &skies[maps[sky]];
-    Chi2 c = { draw, density, &p, false, test_is_long() ? 1000000 : 100000, 3, 64, 128, 2, 0 };
+    Chi2 c = { partition_draw, partition_density, &p, false, test_is_long() ? 1000000 : 100000, 3,
+               64, 128, 2, 0 };
     Tracer t;
     Vertex v;
     Turn u;
