@@ -28,7 +28,7 @@
  * tests make random walks through the same two layers, with what facets lose at each meeting lost
  * and given back. Between the two, what this model returns lies to 0.01 (alphas of 0.1 to 0.3), but
  * for coloured metals: 0.04 above under a smooth coat (alpha 0.1), and for a smooth one under a
- * coat of alpha 0.1 up to 0.09 above towards the horizon. Where both are smooth the three are one. */
+ * coat of alpha 0.1 up to 0.09 above towards the horizon. Where both are smooth they are one. */
 #include "bsdf/bsdf.h"
 #include "bsdf/coat.h"
 #include "bsdf/metal.h"
