@@ -123,7 +123,7 @@ static void find_reach(RaceResult *r, double goal)
             continue;
         if (!i)
             r->reach_is = p->sigma_over_mu < goal ? -1 : 0;
-        else if (p->sigma_over_mu > 0 && q->cpu_seconds > 0)
+        else if (p->sigma_over_mu > 0 && p->sigma_over_mu < goal && q->cpu_seconds > 0)
             r->reach = q->cpu_seconds * md_pow(p->cpu_seconds / q->cpu_seconds,
                                                md_log(q->sigma_over_mu / goal) /
                                                md_log(q->sigma_over_mu / p->sigma_over_mu));
