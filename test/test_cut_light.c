@@ -138,28 +138,6 @@ static void by_bounce(void)
     lab_clear(&l);
 }
 
-/* What errata 002.1 says of the source as it is printed. */
-static void loses_light(void)
-{
-    Ray r = ray_towards(v3(-0.9f, -0.7f, 0.8f), v3(0.05f, 0.02f, 0));
-    Gauge g = { ray_fixed, NULL, 4000, 43, 0 };
-    Truth3 truth;
-    Meter m;
-    Lab l;
-
-    messages_quiet(true);
-    g.of = &r;
-    begin(&l, "phong", "reflectance=0,specular=0.9,exponent=10");
-    lab_light(&l, "infinite", "L=1", NULL);
-    lab_build(&l);
-    truth = sum_of(&l, &r, "points=8000");
-    lab_open(&l, "direct:strategy=cut,jitter=false,points=8000,clusters=420,safe=0,prior=0");
-    lab_measure(&l, &g, &m);
-    EXPECT(meter_radiance(&m)[0].mean < 0.99 * truth.mean[0],
-           "%.6g of %.6g: a loss was expected", meter_radiance(&m)[0].mean, truth.mean[0]);
-    lab_clear(&l);
-}
-
 /* ---- all light ---- */
 
 static void expect_path(Lab *l, double delta, const char *const *ways)
@@ -284,7 +262,6 @@ const TestCase test_cut_light[] = {
     { "horizon", horizon, false },
     { "by_lamps", by_lamps, false },
     { "by_bounce", by_bounce, false },
-    { "loses_light", loses_light, false },
     { "as_path", as_path, false },
     { "in_fog", in_fog, false },
     { "bounce_of_path", bounce_of_path, false },
