@@ -142,7 +142,7 @@ static void test_twin(void)
     lab_build(&l);
     for (int k = 0; k < VIEWS; k++) {
         Ray r = ray_towards(eye, views[k]);
-        Gauge g = { ray_fixed, NULL, 40000, 6, 0 };
+        Gauge g = { ray_fixed, NULL, 46000, 6, 0 };
         Stat twin[3];
         g.of = &r;
         measure_twin(&l, r, n, twin);
