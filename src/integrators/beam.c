@@ -1,21 +1,32 @@
 /* beam.c -- the code of `beam.h` */
 #include "integrators/beam.h"
 
-#include "integrators/event.h"
-
-/* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
- * textures are seen sharp, as `path` sees them. */
 bool beam_meets(Beam *b, Surface *s, Tracer *t)
 {
     V3 from = b->ray.o;
 
     if (!ray_meets(t, &b->ray, &b->medium, &b->throughput, s))
         return false;
-    if (b->way >= 0.0f) {
-        b->way += v_len(v_sub(s->p, from));
-        s->width = b->way * t->spread;
-    }
+    beam_widens(b, from, s, t);
     return true;
+}
+
+Rgb beam_shows(const Beam *b, const Light *l, const Surface *hit, Tracer *t)
+{
+    Rgb c = rgb_mul(b->throughput, l->kind->radiance(l, b->ray.d, hit));
+
+    if (!rgb_black(c))
+        tracer_tally(t, b->depth + 1, STRATEGY_IMPLICIT, c);
+    return c;
+}
+
+Rgb beam_shows_beyond(const Beam *b, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < t->scene->ninfinite; i++)
+        sum = rgb_add(sum, beam_shows(b, t->scene->infinite[i], NULL, t));
+    return sum;
 }
 
 void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s)
@@ -27,4 +38,21 @@ void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s)
         b->way = -1.0f;
     b->depth++;
     b->medium = medium_beyond(&v->s, s->wi, b->medium);
+}
+
+bool beam_survives(Beam *b, int roulette, Tracer *t)
+{
+    float q;
+
+    if (b->depth < roulette)
+        return true;
+    q = beam_strength(b);
+    if (!(q > 0.0f))
+        return false;
+    if (q < 1.0f) {
+        if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, b->depth)) >= q)
+            return false;
+        b->throughput = rgb_scale(b->throughput, 1.0f / q);
+    }
+    return true;
 }

@@ -1,8 +1,9 @@
-/* beam.h -- what is followed back from the eye: a ray, with all that its next surface needs to know
- * of its past. For methods that ignore light scattered by media, but not what these take away. */
+/* beam.h -- what is followed back from the eye: a ray, with all that its next event needs to know
+ * of its past. */
 #ifndef INTEGRATORS_BEAM_H
 #define INTEGRATORS_BEAM_H
 
+#include "integrators/event.h"
 #include "integrators/vertex.h"
 
 typedef struct {
@@ -19,14 +20,44 @@ INLINE Beam beam_from_eye(const Ray *r, const Scene *s)
     return (Beam){ *r, { 1, 1, 1 }, 1.0f, 0.0f, 0, s->around };
 }
 
-/* What the beam meets, through borders of media; throughput loses what these take on the way.
- * False: it leaves the scene, or nothing is left of it. */
+/* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
+ * all beams see textures sharp: what they find there must not depend on how they came. */
+INLINE void beam_widens(Beam *b, V3 from, Surface *s, const Tracer *t)
+{
+    if (b->way >= 0.0f) {
+        b->way += v_len(v_sub(s->p, from));
+        s->width = b->way * t->spread;
+    }
+}
+
+/* On to the next event, see ray_flies: *s is set where it ARRIVES, *p where it SCATTERS. */
+INLINE Event beam_flies(Beam *b, Surface *s, V3 *p, Tracer *t)
+{
+    V3 from = b->ray.o;
+    Event event = ray_flies(t, &b->ray, &b->medium, b->depth, &b->throughput, s, p);
+
+    if (event == ARRIVES)
+        beam_widens(b, from, s, t);
+    return event;
+}
+
+/* What the beam meets, for methods that ignore light scattered by media, but not what these take
+ * away: throughput loses it. False: it leaves the scene, or nothing is left of it. */
 bool beam_meets(Beam *b, Surface *s, Tracer *t);
+
+/* What a light at the beam's end shows, or those beyond the scene: all of it, for beams whose light
+ * no other way could find. */
+Rgb beam_shows(const Beam *b, const Light *l, const Surface *hit, Tracer *t);
+Rgb beam_shows_beyond(const Beam *b, Tracer *t);
 
 /* Goes on from the vertex by that event, s->wi of the world. */
 void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s);
 
 /* How much of a unit of energy is left, whatever the index it is in. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
+
+/* Russian roulette: beyond so many events a beam goes on with the probability of its strength.
+ * False: it ends. */
+bool beam_survives(Beam *b, int roulette, Tracer *t);
 
 #endif

@@ -14,7 +14,7 @@
 #include "integrators/direct.h"
 
 #include "base/mem.h"
-#include "integrators/event.h"
+#include "integrators/beam.h"
 #include "integrators/twostage.h"
 #include "lightsampling/visibility.h"
 
@@ -31,48 +31,8 @@ STRATEGIES_OF_DIRECT(DECLARE)
 const DirectStrategy *const direct_strategies[] = { STRATEGIES_OF_DIRECT(ENTRY) NULL };
 extern const DirectStrategy direct_sorted;      /* strategy=light with lights=ward or shirley */
 
-/* The eye's ray on its way through delta events. */
-typedef struct {
-    Ray  ray;
-    Rgb  throughput;
-    int  depth;                 /* scattering events so far */
-    uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
-    V3   p;                     /* where it started */
-    float way;                  /* from the eye */
-} Eye;
-
-static Rgb shown(const Eye *e, const Light *l, const Surface *hit, Tracer *t)
-{
-    Rgb c = rgb_mul(e->throughput, l->kind->radiance(l, e->ray.d, hit));
-
-    if (!rgb_black(c))
-        tracer_tally(t, e->depth + 1, STRATEGY_IMPLICIT, c);
-    return c;
-}
-
-static Rgb shown_beyond(const Direct *it, const Eye *e, Tracer *t)
-{
-    const Scene *s = it->base.scene;
-    Rgb sum = rgb_all(0.0f);
-
-    for (size_t i = 0; i < s->ninfinite; i++)
-        sum = rgb_add(sum, shown(e, s->infinite[i], NULL, t));
-    return sum;
-}
-
-static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
-{
-    Event event = ray_flies(t, &e->ray, &e->medium, e->depth, &e->throughput, s, p);
-
-    if (event == ARRIVES) {
-        e->way += v_len(v_sub(s->p, e->p));
-        s->width = e->way * t->spread;
-    }
-    return event;
-}
-
 /* The tally wants what is added to the picture: scaled here, by the throughput. */
-static Rgb scattered(const Direct *it, const Eye *e, const Turn *u, Tracer *t)
+static Rgb scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
 {
     Tally *tally = t->tally, own;
     Rgb L;
@@ -84,58 +44,54 @@ static Rgb scattered(const Direct *it, const Eye *e, const Turn *u, Tracer *t)
     L = it->strategy->light(it, u, t);
     if (tally) {
         for (int k = 0; k < TALLY_LENGTHS; k++)
-            tally->length[k] = rgb_add(tally->length[k], rgb_mul(e->throughput, own.length[k]));
+            tally->length[k] = rgb_add(tally->length[k], rgb_mul(b->throughput, own.length[k]));
         for (int k = 0; k < STRATEGIES; k++)
             tally->strategy[k] = rgb_add(tally->strategy[k],
-                                         rgb_mul(e->throughput, own.strategy[k]));
+                                         rgb_mul(b->throughput, own.strategy[k]));
         t->tally = tally;
     }
-    return rgb_mul(e->throughput, L);
+    return rgb_mul(b->throughput, L);
 }
 
 /* On through a mirror or a pane. False: the event is none of delta. */
-static bool follow(Eye *e, const Vertex *v, Tracer *t)
+static bool follow(Beam *b, const Vertex *v, Tracer *t)
 {
     BsdfSample bs;
 
-    if (!(v->b->flags & BSDF_SPECULAR) || !vertex_sample(v, t, e->depth, &bs) || bs.pdf_w > 0.0f)
+    if (!(v->b->flags & BSDF_SPECULAR) || !vertex_sample(v, t, b->depth, &bs) || bs.pdf_w > 0.0f)
         return false;
-    e->throughput = rgb_mul(e->throughput, bs.weight);
-    e->ray = vertex_ray(v, bs.wi);
-    e->p = v->s.p;
-    e->medium = medium_beyond(&v->s, bs.wi, e->medium);
-    e->depth++;
-    return !rgb_black(e->throughput);
+    beam_turn(b, v, &bs);
+    return !rgb_black(b->throughput);
 }
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Direct *it = (const Direct *)base;
     const Scene *scene = base->scene;
-    Eye e = { *r, { 1, 1, 1 }, 0, scene->around, r->o, 0.0f };
+    Beam b = beam_from_eye(r, scene);
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Turn u;
-        Event event = next_event(&e, &v.s, &p, t);
+        Event event = beam_flies(&b, &v.s, &p, t);
         if (event == ESCAPES)
-            return rgb_add(sum, shown_beyond(it, &e, t));
+            return rgb_add(sum, beam_shows_beyond(&b, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, shown(&e, scene->lights[v.s.shape->light], &v.s, t));
-        if (e.depth >= it->maxdepth)
+            sum = rgb_add(sum, beam_shows(&b, scene_light_of(scene, &v.s), &v.s, t));
+        if (b.depth >= it->maxdepth)
             return sum;
         if (event == SCATTERS) {
-            u = turn_within(scene, p, e.ray.d, e.ray.time, e.medium, e.depth);
-            return rgb_add(sum, scattered(it, &e, &u, t));
+            u = turn_within(scene, p, b.ray.d, b.ray.time, b.medium, b.depth);
+            return rgb_add(sum, scattered(it, &b, &u, t));
         }
-        vertex_make(&v, scene, e.ray.d);
+        vertex_make(&v, scene, b.ray.d);
         if (vertex_is_smooth(&v)) {
-            u = turn_on(&v, e.ray.d, e.medium, e.depth);
-            sum = rgb_add(sum, scattered(it, &e, &u, t));
+            u = turn_on(&v, b.ray.d, b.medium, b.depth);
+            sum = rgb_add(sum, scattered(it, &b, &u, t));
         }
-        if (!follow(&e, &v, t))
+        if (!follow(&b, &v, t))
             return sum;
     }
 }

@@ -151,22 +151,6 @@ static Rgb direct(const Distributed *it, const Branch *e, const Vertex *v, int n
 
 /* ---- branches ---- */
 
-static bool survives(const Distributed *it, Beam *b, Tracer *t)
-{
-    float q = beam_strength(b);
-
-    if (b->depth < it->roulette)
-        return true;
-    if (!(q > 0.0f))
-        return false;
-    if (q < 1.0f) {
-        if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, b->depth)) >= q)
-            return false;
-        b->throughput = rgb_scale(b->throughput, 1.0f / q);
-    }
-    return true;
-}
-
 static Rgb seen(const Distributed *it, Branch *e, Tracer *t);
 
 /* One of n directions in which the branch goes on; asked: samples of lights that were taken. */
@@ -192,7 +176,7 @@ static Rgb branch(const Distributed *it, const Branch *e, const Vertex *v, int n
         tracer_tally(t, next.beam.depth + 2, STRATEGY_EXPLICIT, sum);
         if (!it->meetable)
             return sum;
-    } else if (!survives(it, &next.beam, t))
+    } else if (!beam_survives(&next.beam, it->roulette, t))
         return sum;
     return rgb_add(sum, seen(it, &next, t));
 }

@@ -22,24 +22,6 @@ void glints_clear(Glints *g) { subset_clear(&g->shapes); }
 
 /* ---- a candidate ---- */
 
-static Rgb shown(const Beam *b, const Light *l, const Surface *hit, Tracer *t)
-{
-    Rgb c = rgb_mul(b->throughput, l->kind->radiance(l, b->ray.d, hit));
-
-    if (!rgb_black(c))
-        tracer_tally(t, b->depth + 1, STRATEGY_IMPLICIT, c);
-    return c;
-}
-
-static Rgb shown_beyond(const Beam *b, Tracer *t)
-{
-    Rgb sum = rgb_all(0.0f);
-
-    for (size_t i = 0; i < t->scene->ninfinite; i++)
-        sum = rgb_add(sum, shown(b, t->scene->infinite[i], NULL, t));
-    return sum;
-}
-
 /* Numbers i of the decisions on the event at this depth. */
 static Draw numbers(Tracer *t, int depth, uint32_t i)
 {
@@ -59,9 +41,9 @@ static Rgb followed(const Glints *g, Beam *b, uint32_t i, Tracer *t)
         BsdfSample s;
         Draw draw;
         if (!beam_meets(b, &v.s, t))
-            return delta ? rgb_add(sum, shown_beyond(b, t)) : sum;
+            return delta ? rgb_add(sum, beam_shows_beyond(b, t)) : sum;
         if (delta && v.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, shown(b, scene_light_of(g->scene, &v.s), &v.s, t));
+            sum = rgb_add(sum, beam_shows(b, scene_light_of(g->scene, &v.s), &v.s, t));
         vertex_make(&v, g->scene, b->ray.d);
         if (!(v.b->flags & BSDF_SPECULAR) || b->depth == g->maxdepth)
             return sum;

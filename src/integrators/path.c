@@ -17,7 +17,6 @@
  *             Directions that the shading normal allows and the geometric one does not are black.
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
-#include "integrators/event.h"
 #include "integrators/glints.h"
 #include "integrators/lighting.h"
 #include "integrators/twostage.h"
@@ -41,15 +40,10 @@ typedef struct {
 
 /* The path so far: what the next vertex needs to know of the last one. */
 typedef struct {
-    Ray  ray;
-    Rgb  throughput;
+    Beam beam;
     V3   p, n;                  /* last vertex, for the density of having asked for a light there */
     float pdf_w;                /* of the last direction; 0: the eye or a delta event */
-    float eta2;                 /* product of squared index ratios: the scale of radiance */
-    int  depth;                 /* scattering events so far */
-    uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
-    float    glint;             /* of the light by delta events after a smooth one: this share */
-    float    way;               /* from the eye, by delta events only; below 0: there were others */
+    float glint;                /* of the light by delta events after a smooth one: this share */
 } Eye;
 
 /* Weight of a way with density a against one with density b. [Veach97 9.2.2, 9.2.4] */
@@ -71,19 +65,19 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
     if (it->ways == EXPLICIT || (it->maps && l == it->two.light))
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
-          l->kind->pdf_w(l, e->p, e->ray.d, hit);
+          l->kind->pdf_w(l, e->p, e->beam.ray.d, hit);
     return heuristic(it, e->pdf_w, pdf);
 }
 
 static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Surface *hit,
                           Tracer *t)
 {
-    Rgb L = l->kind->radiance(l, e->ray.d, hit), c;
+    Rgb L = l->kind->radiance(l, e->beam.ray.d, hit), c;
 
     if (rgb_black(L))
         return L;
-    c = rgb_scale(rgb_mul(e->throughput, L), implicit_weight(it, e, l, hit));
-    tracer_tally(t, e->depth + 1, STRATEGY_IMPLICIT, c);
+    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit));
+    tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
     return c;
 }
 
@@ -96,21 +90,6 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
     for (size_t i = 0; i < s->ninfinite; i++)
         sum = rgb_add(sum, implicit_light(it, e, s->infinite[i], NULL, t));
     return sum;
-}
-
-/* ---- to the next event ---- */
-
-/* The beam of a pixel is as wide as the way from the eye is long. Past an event that spreads it,
- * all paths see textures sharp: what they find there must not depend on how they came. */
-static Event next_event(Eye *e, Surface *s, V3 *p, Tracer *t)
-{
-    Event event = ray_flies(t, &e->ray, &e->medium, e->depth, &e->throughput, s, p);
-
-    if (event == ARRIVES && e->way >= 0.0f) {
-        e->way += v_len(v_sub(s->p, e->p));
-        s->width = e->way * t->spread;
-    }
-    return event;
 }
 
 /* ---- explicit paths ---- */
@@ -131,11 +110,11 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
 {
     float pmf, left;
     float u = it->base.scene->nlights > 1
-                  ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->depth)) : 0.0f;
+                  ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth)) : 0.0f;
     const Light *l = it->lights->kind->pick(it->lights, p, n, u, &pmf, &left);
 
     if (!l || !l->kind->sample(l, p, sample_2d(&t->sampler,
-                                               DECISION(DECIDE_LIGHT_POINT, e->depth)), ls))
+                                               DECISION(DECIDE_LIGHT_POINT, e->beam.depth)), ls))
         return NULL;
     *pdf = pmf * ls->pdf_w;
     return l;
@@ -157,31 +136,40 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
         return false;
     if (it->ways == MIS && !l->kind->delta)
         weight = heuristic(it, pdf, vertex_pdf_w(v, local));
-    to->c = rgb_scale(rgb_mul(rgb_mul(e->throughput, f_cos), ls.L), weight / pdf);
+    to->c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, f_cos), ls.L), weight / pdf);
     to->ray = shadow_ray(&v->s, &ls);
-    to->edges = e->depth + 2;
-    to->medium = medium_beyond(&v->s, ls.wi, e->medium);
+    to->edges = e->beam.depth + 2;
+    to->medium = medium_beyond(&v->s, ls.wi, e->beam.medium);
     return true;
 }
 
 /* The same from a scattering at p. Its phase function is both f |cos| and the density. */
 static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Connection *to)
 {
-    Surface s = { .p = p, .time = e->ray.time };
+    Surface s = { .p = p, .time = e->beam.ray.time };
     LightSample ls;
     float phase, weight = 1.0f, pdf;
     const Light *l = towards_light(it, e, p, s.ns, t, &ls, &pdf);
 
     if (!l)
         return false;
-    phase = phase_pdf_w(it->base.scene->media[e->medium].g, e->ray.d, ls.wi);
+    phase = phase_pdf_w(it->base.scene->media[e->beam.medium].g, e->beam.ray.d, ls.wi);
     if (it->ways == MIS && !l->kind->delta)
         weight = heuristic(it, pdf, phase);
-    to->c = rgb_scale(rgb_mul(e->throughput, ls.L), phase * weight / pdf);
+    to->c = rgb_scale(rgb_mul(e->beam.throughput, ls.L), phase * weight / pdf);
     to->ray = shadow_ray(&s, &ls);
-    to->edges = e->depth + 2;
-    to->medium = e->medium;
+    to->edges = e->beam.depth + 2;
+    to->medium = e->beam.medium;
     return true;
+}
+
+/* The event at hand: at the vertex, or (v NULL) at p in a medium. */
+static Turn turn_of(const Path *it, const Eye *e, const Vertex *v, V3 p)
+{
+    const Beam *b = &e->beam;
+
+    return v ? turn_on(v, b->ray.d, b->medium, b->depth)
+             : turn_within(it->base.scene, p, b->ray.d, b->ray.time, b->medium, b->depth);
 }
 
 /* By one of many candidates. Those by the BSDF stand for implicit paths, which count only after
@@ -193,9 +181,9 @@ static bool connect_resampled(const Path *it, const Eye *e, const Turn *u, Trace
 
     if (!resample_one(&it->lighting, &it->resampling, u, t, &c))
         return false;
-    to->c = rgb_mul(e->throughput, c.c);
+    to->c = rgb_mul(e->beam.throughput, c.c);
     to->ray = c.ray;
-    to->edges = e->depth + 2;
+    to->edges = e->beam.depth + 2;
     to->medium = c.medium;
     to->known = c.known;
     return true;
@@ -208,7 +196,7 @@ static bool connect_any(const Path *it, const Eye *e, const Vertex *v, Tracer *t
     to->known = false;
     if (LIKELY(!it->resamples))
         return connect(it, e, v, t, to);
-    u = turn_on(v, e->ray.d, e->medium, e->depth);
+    u = turn_of(it, e, v, v->s.p);
     return connect_resampled(it, e, &u, t, to);
 }
 
@@ -219,7 +207,7 @@ static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t,
     to->known = false;
     if (LIKELY(!it->resamples))
         return connect_in_medium(it, e, p, t, to);
-    u = turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    u = turn_of(it, e, NULL, p);
     return connect_resampled(it, e, &u, t, to);
 }
 
@@ -227,46 +215,29 @@ static bool connect_any_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t,
 static bool connect_to_sky(const Path *it, const Eye *e, const Vertex *v, V3 p, Tracer *t,
                            Connection *to)
 {
-    Turn u = v ? turn_on(v, e->ray.d, e->medium, e->depth)
-               : turn_within(it->base.scene, p, e->ray.d, e->ray.time, e->medium, e->depth);
+    Turn u = turn_of(it, e, v, p);
     PartitionSample s;
     Partition part;
     Candidate c;
 
     if (!twostage_partition(&it->two, &u, 1, t, &part))
         return false;
-    partition_warp(&part, sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->depth)), &s);
+    partition_warp(&part, sample_2d(&t->sampler, DECISION(DECIDE_SKY, e->beam.depth)), &s);
     if (!twostage_candidate(&it->two, &s, &u, 1.0f, &c))
         return false;
-    *to = (Connection){ c.ray, rgb_mul(e->throughput, c.c), e->depth + 2, c.medium, false };
+    *to = (Connection){ c.ray, rgb_mul(e->beam.throughput, c.c), e->beam.depth + 2, c.medium,
+                        false };
     return true;
 }
 
 /* ---- implicit paths ---- */
 
-/* One scattering event more. False: roulette ends the path. */
-static bool survives(const Path *it, Eye *e, Tracer *t)
-{
-    float q;
-
-    if (++e->depth < it->roulette)
-        return true;
-    q = rgb_max(e->throughput) * e->eta2;
-    if (!(q > 0.0f))
-        return false;
-    if (q < 1.0f) {
-        if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, e->depth)) >= q)
-            return false;
-        e->throughput = rgb_scale(e->throughput, 1.0f / q);
-    }
-    return true;
-}
-
 /* What deltas bring by directions that the path does not take. */
 static Rgb glints(const Path *it, const Eye *e, const Vertex *v, Tracer *t)
 {
-    Beam b = { e->ray, e->throughput, e->eta2, -1.0f, e->depth, e->medium };
+    Beam b = e->beam;
 
+    b.way = -1.0f;
     return glints_light(&it->glints, v, &b, t);
 }
 
@@ -275,38 +246,32 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 {
     BsdfSample bs;
 
-    if (!vertex_sample(v, t, e->depth, &bs))
+    if (!vertex_sample(v, t, e->beam.depth, &bs))
         return false;
     if (bs.pdf_w > 0.0f)
         e->glint = glints_share(&it->glints);
-    e->throughput = rgb_mul(e->throughput, bs.weight);
-    e->eta2 *= bs.eta * bs.eta;
-    if (!survives(it, e, t))
-        return false;
-    e->ray = vertex_ray(v, bs.wi);
     e->p = v->s.p;
     e->n = vertex_up(v);
     e->pdf_w = bs.pdf_w;
-    if (bs.flags & BSDF_SMOOTH)
-        e->way = -1.0f;
-    e->medium = medium_beyond(&v->s, bs.wi, e->medium);
-    return true;
+    beam_turn(&e->beam, v, &bs);
+    return beam_survives(&e->beam, it->roulette, t);
 }
 
 static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
 {
-    float g = t->scene->media[e->medium].g;
-    V3 wi = phase_sample(g, e->ray.d, sample_2d(&t->sampler,
-                                                DECISION(DECIDE_DIRECTION, e->depth)));
+    float g = t->scene->media[e->beam.medium].g;
+    V3 wi = phase_sample(g, e->beam.ray.d, sample_2d(&t->sampler,
+                                                DECISION(DECIDE_DIRECTION, e->beam.depth)));
 
-    e->pdf_w = phase_pdf_w(g, e->ray.d, wi);
-    e->ray.o = e->p = p;
+    e->pdf_w = phase_pdf_w(g, e->beam.ray.d, wi);
+    e->beam.ray.o = e->p = p;
     e->n = v_all(0.0f);
     e->glint = 1.0f;
-    e->way = -1.0f;
-    e->ray.d = wi;
-    e->ray.tmax = INFINITY;
-    return survives(it, e, t);
+    e->beam.way = -1.0f;
+    e->beam.ray.d = wi;
+    e->beam.ray.tmax = INFINITY;
+    e->beam.depth++;
+    return beam_survives(&e->beam, it->roulette, t);
 }
 
 /* Light that the connection brings. */
@@ -322,7 +287,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
     const Scene *scene = base->scene;
-    Eye e = { *r, { 1, 1, 1 }, r->o, { 0, 0, 0 }, 0.0f, 1.0f, 0, scene->around, 1.0f, 0.0f };
+    Eye e = { .beam = beam_from_eye(r, scene), .p = r->o, .glint = 1.0f };
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
@@ -330,16 +295,16 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Connection to, sky;
         bool connects, shows_sky, goes_on;
-        Event event = next_event(&e, &v.s, &p, t);
+        Event event = beam_flies(&e.beam, &v.s, &p, t);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, implicit_light(it, &e, scene->lights[v.s.shape->light], &v.s, t));
-        if (e.depth >= it->maxdepth)
+            sum = rgb_add(sum, implicit_light(it, &e, scene_light_of(scene, &v.s), &v.s, t));
+        if (e.beam.depth >= it->maxdepth)
             return sum;
         /* Both decisions first, then the rays: the processor works on the two side by side. */
         if (event == ARRIVES) {
-            vertex_make(&v, scene, e.ray.d);
+            vertex_make(&v, scene, e.beam.ray.d);
             connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
                        connect_any(it, &e, &v, t, &to);
             if (it->glints.n > 1 && vertex_is_smooth(&v))

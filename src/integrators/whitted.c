@@ -32,17 +32,6 @@ static Rgb tallied(Tracer *t, int edges, Strategy how, Rgb c)
     return c;
 }
 
-/* Of those beyond the scene that the beam leaves. */
-static Rgb background(const Whitted *it, const Beam *b, Tracer *t)
-{
-    const Scene *s = it->base.scene;
-    Rgb sum = rgb_all(0.0f);
-
-    for (size_t i = 0; i < s->ninfinite; i++)
-        sum = rgb_add(sum, s->infinite[i]->kind->radiance(s->infinite[i], b->ray.d, NULL));
-    return tallied(t, b->depth + 1, STRATEGY_IMPLICIT, rgb_mul(b->throughput, sum));
-}
-
 /* Direct light of all lamps. */
 static Rgb lamps(const Whitted *it, const Beam *b, const Vertex *v, Tracer *t)
 {
@@ -86,11 +75,10 @@ static Rgb tree(const Whitted *it, Beam *b, Tracer *t)
     Vertex v;
 
     if (!beam_meets(b, &v.s, t))
-        return background(it, b, t);
+        return beam_shows_beyond(b, t);
     l = scene_light_of(it->base.scene, &v.s);
     if (l)
-        sum = tallied(t, b->depth + 1, STRATEGY_IMPLICIT,
-                      rgb_mul(b->throughput, l->kind->radiance(l, b->ray.d, &v.s)));
+        sum = beam_shows(b, l, &v.s, t);
     if (b->depth >= it->maxdepth)
         return sum;
     vertex_make(&v, it->base.scene, b->ray.d);
