@@ -12,9 +12,8 @@
  * platform.h); nothing depends on the byte order. */
 #include "base/maths.h"
 
-#include "base/platform.h"
+#include "base/bits.h"
 
-#include <string.h>
 
 #define PI_2      0x1.921fb54442d18p+0
 #define PI_4      0x1.921fb54442d18p-1
@@ -23,20 +22,6 @@
 #define LOG2E     0x1.71547652b82fep+0
 #define TAN_PI_8  0x1.a827999fcef32p-2
 #define FLOAT_END 0x1.ffffffp127        /* from here on a double rounds to an infinite float */
-
-static uint64_t bits_of(double v)
-{
-    uint64_t b;
-    memcpy(&b, &v, sizeof b);
-    return b;
-}
-
-static double double_of(uint64_t b)
-{
-    double v;
-    memcpy(&v, &b, sizeof v);
-    return v;
-}
 
 static double with_sign_of(double size, double sign)
 {
@@ -148,15 +133,12 @@ static uint32_t reduce(double x, double *r)
  * sampled angles cannot be foretold: exchange and signs are done on the bits. */
 static void turn(uint32_t quadrant, float s, float c, float *out_s, float *out_c)
 {
-    uint32_t a, b, exchange;
+    uint32_t a = bits_of_float(s), b = bits_of_float(c), exchange = (a ^ b) & (0 - (quadrant & 1));
 
-    memcpy(&a, &s, sizeof a);
-    memcpy(&b, &c, sizeof b);
-    exchange = (a ^ b) & (0 - (quadrant & 1));
     a ^= exchange ^ (quadrant & 2) << 30;
     b ^= exchange ^ ((quadrant + 1) & 2) << 30;
-    memcpy(out_s, &a, sizeof a);
-    memcpy(out_c, &b, sizeof b);
+    *out_s = float_of(a);
+    *out_c = float_of(b);
 }
 
 void m_sincos_turn(float u, float *s, float *c)

@@ -15,6 +15,7 @@
 #include "base/number.h"
 
 #include "base/big.h"
+#include "base/bits.h"
 #include "base/error.h"
 #include "base/platform.h"
 
@@ -32,28 +33,6 @@ typedef struct {
 
 static const Format FLOAT  = { 24, -149, (uint64_t)0xFF << 23, 6, 9 };
 static const Format DOUBLE = { 53, -1074, (uint64_t)0x7FF << 52, 15, 17 };
-
-static uint64_t bits_of(double v)
-{
-    uint64_t b;
-    memcpy(&b, &v, sizeof b);
-    return b;
-}
-
-static double double_of(uint64_t b)
-{
-    double v;
-    memcpy(&v, &b, sizeof v);
-    return v;
-}
-
-static float float_of(uint64_t b)
-{
-    uint32_t half = (uint32_t)b;
-    float v;
-    memcpy(&v, &half, sizeof v);
-    return v;
-}
 
 /* The powers of ten that are doubles. */
 static const double TEN[23] = {
@@ -249,7 +228,7 @@ static float decimal_float(const Decimal *d)
         if (LIKELY(!near_middle(x)))
             return (float)x;
     }
-    return float_of(decimal_bits(d, &FLOAT));
+    return float_of((uint32_t)decimal_bits(d, &FLOAT));
 }
 
 /* inf, infinity or nan with a sign, in any case. */

@@ -157,7 +157,7 @@ static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
 {
     const Blend *s = of(b);
     Ggx g = { 1.0f / sqrtf(s->nu + 1.0f), 1.0f / sqrtf(s->nv + 1.0f) };
-    peak[0] = v3(0.0f, 0.0f, wo.z < 0.0f ? -1.0f : 1.0f);
+    peak[0] = normal_z(wo);
     return 1 + ggx_peaks(g, wo, peak + 1);
 }
 

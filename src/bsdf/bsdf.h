@@ -106,6 +106,8 @@ INLINE BsdfSample delta_event(V3 wi, Rgb weight, int side, float eta)
 }
 
 INLINE V3 mirror_z(V3 w) { return (V3){ -w.x, -w.y, w.z }; }
+/* The normal on the side of w. */
+INLINE V3 normal_z(V3 w) { return (V3){ 0.0f, 0.0f, w.z < 0.0f ? -1.0f : 1.0f }; }
 INLINE V3 above(V3 w) { return (V3){ w.x, w.y, fabsf(w.z) }; }   /* reflective models: both sides */
 INLINE Rgb reflectance_of(Rgb value)                /* a texture may leave [0,1] */
 {

@@ -143,7 +143,7 @@ static Rgb albedo(const Bsdf *b, V3 wo)
 
 static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
 {
-    peak[0] = v3(0.0f, 0.0f, wo.z < 0.0f ? -1.0f : 1.0f);
+    peak[0] = normal_z(wo);
     return 1 + ggx_peaks(of(b)->coat.facets, wo, peak + 1);
 }
 
@@ -154,12 +154,7 @@ static const OptDef options[] = {
       .help = "index of refraction of the coat" },
     { .key = "roughness", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
       .help = "of the coat, 0: smooth" },
-    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the first tangent; below 0: as roughness" },
-    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the second tangent; below 0: as roughness" },
-    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
-      .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    GGX_OPTIONS_BESIDE_ROUGHNESS,
     { .key = "specular", .type = OPT_RGB, .num = 1, .lo = 0, .hi = 1, .also = "Ks",
       .help = "tint of what the coat reflects" },
     { .key = NULL }

@@ -88,12 +88,7 @@ static int peaks(const Bsdf *b, V3 wo, V3 peak[16]) { return ggx_peaks(of(b)->fa
 static const OptDef options[] = {
     { .key = "roughness", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
       .help = "0: polished" },
-    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the first tangent; below 0: as roughness" },
-    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the second tangent; below 0: as roughness" },
-    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
-      .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    GGX_OPTIONS_BESIDE_ROUGHNESS,
     { .key = "eta", .type = OPT_RGB, .num = -1, .lo = -1, .hi = 1000,
       .help = "index of refraction, real part; below 0: copper" },
     { .key = "k", .type = OPT_RGB, .num = -1, .lo = -1, .hi = 1000,

@@ -275,12 +275,7 @@ static const OptDef options[] = {
       .help = "tint of what passes" },
     { .key = "roughness", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
       .help = "0: polished" },
-    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the first tangent; below 0: as roughness" },
-    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,
-      .help = "along the second tangent; below 0: as roughness" },
-    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,
-      .help = "alpha of the facets is sqrt(roughness), not roughness itself" },
+    GGX_OPTIONS_BESIDE_ROUGHNESS,
     { .key = NULL }
 };
 

@@ -50,7 +50,7 @@ static Rgb albedo(const Bsdf *b, V3 wo)
 static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
 {
     (void)b;
-    peak[0] = v3(0.0f, 0.0f, wo.z < 0.0f ? -1.0f : 1.0f);
+    peak[0] = normal_z(wo);
     return 1;
 }
 

@@ -33,6 +33,14 @@ INLINE float ggx_alpha(float roughness, float fallback, bool remap)
     float r = clamp01(roughness < 0.0f ? fallback : roughness);
     return remap ? sqrtf(r) : r;
 }
+/* The last three of what ggx_init takes, for a model that has one layer of facets. */
+#define GGX_OPTIONS_BESIDE_ROUGHNESS                                                               \
+    { .key = "uroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,                        \
+      .help = "along the first tangent; below 0: as roughness" },                                  \
+    { .key = "vroughness", .type = OPT_FLOAT, .num = -1, .lo = -1, .hi = 1,                        \
+      .help = "along the second tangent; below 0: as roughness" },                                 \
+    { .key = "remaproughness", .type = OPT_BOOL, .num = 1,                                         \
+      .help = "alpha of the facets is sqrt(roughness), not roughness itself" }
 /* False: a perfect mirror, and *g is zero. */
 INLINE bool ggx_init(Ggx *g, float roughness, float u, float v, bool remap)
 {

@@ -286,7 +286,7 @@ static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
     const Lafortune *p = of(b);
     int n = 1;
 
-    peak[0] = v3(0.0f, 0.0f, wo.z < 0.0f ? -1.0f : 1.0f);
+    peak[0] = normal_z(wo);
     for (int j = 0; p->lobes && j < p->lobes->n; j++) {
         V3 d = v_unit(v_mul(p->lobes->lobe[j].c, wo));
         if (d.z * wo.z > 0.0f)

@@ -1,10 +1,10 @@
 /* plywrite.c -- meshes as PLY files, binary little-endian. See mesh.h. */
 #include "geometry/mesh.h"
 
+#include "base/bits.h"
 #include "base/file.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static unsigned char *put_u32(unsigned char *b, uint32_t v)
 {
@@ -15,9 +15,7 @@ static unsigned char *put_u32(unsigned char *b, uint32_t v)
 
 static unsigned char *put_float(unsigned char *b, float v)
 {
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return put_u32(b, bits);
+    return put_u32(b, bits_of_float(v));
 }
 
 static unsigned char *put_v3(unsigned char *b, V3 v)

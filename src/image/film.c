@@ -17,6 +17,7 @@
  * Counts      Between powers of two V falls as 1/n. */
 #include "image/film.h"
 
+#include "base/bits.h"
 #include "base/mem.h"
 
 #include <string.h>
@@ -27,11 +28,10 @@ enum { PLAIN_WEIGHT = 4 };              /* pixels that the plain variance counts
 
 bool exact_add(Exact *e, float v)
 {
-    uint32_t bits;
+    uint32_t bits = bits_of_float(v);
     uint64_t m, lo, hi, old = e->lo;
     int shift;
 
-    memcpy(&bits, &v, 4);
     if ((bits & 0x7FFFFFFFu) == 0)
         return true;
     /* v = m 2^(exponent - 150); in units of 2^-60 it is m 2^shift */
@@ -131,9 +131,7 @@ void film_tile(const Film *f, uint32_t k, uint32_t *x0, uint32_t *y0, uint32_t *
 /* Whether exact_add would take it: by the exponent alone. */
 static bool fits(float v)
 {
-    uint32_t bits;
-    memcpy(&bits, &v, 4);
-    return (int)(bits >> 23 & 255) - 150 <= MOST_EXPONENT - 24;
+    return (int)(bits_of_float(v) >> 23 & 255) - 150 <= MOST_EXPONENT - 24;
 }
 
 bool film_takes(Rgb c) { return fits(c.r) && fits(c.g) && fits(c.b); }

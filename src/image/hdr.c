@@ -23,6 +23,7 @@
  *             line of 65,000 pixels); then max_pixels is the bound. */
 #include "image/format.h"
 
+#include "base/bits.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/text.h"
@@ -48,19 +49,11 @@ typedef struct {
 
 static double two_to(int k)             /* for exponents of normal doubles */
 {
-    uint64_t bits = (uint64_t)(k + 1023) << 52;
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    return double_of((uint64_t)(k + 1023) << 52);
 }
 
 /* e with 2^(e-1) <= x < 2^e, for positive normal doubles. */
-static int exponent_of(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (int)(bits >> 52) - 1022;
-}
+static int exponent_of(double x) { return (int)(bits_of(x) >> 52) - 1022; }
 
 static Rgb colour_of(const unsigned char *p, const double *gain)
 {

@@ -13,6 +13,7 @@
  * Memory      12 bytes a pixel, 3 times the file at most (Pf), taken once its length is checked. */
 #include "image/format.h"
 
+#include "base/bits.h"
 #include "base/file.h"
 #include "base/text.h"
 
@@ -109,8 +110,8 @@ static bool read_pfm(Image *im, const char *path, const unsigned char *bytes, si
 
 static void put_float(Out *o, float x)
 {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
+    uint32_t bits = bits_of_float(x);
+
     out_write(o, (unsigned char[4]){ (unsigned char)bits, (unsigned char)(bits >> 8),
                                      (unsigned char)(bits >> 16), (unsigned char)(bits >> 24) }, 4);
 }
