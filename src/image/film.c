@@ -19,6 +19,7 @@
 
 #include "base/bits.h"
 #include "base/mem.h"
+#include "image/splats.h"
 
 #include <string.h>
 
@@ -117,6 +118,7 @@ void film_clear(Film *f)
     mem_free(f->counts);
     mem_free(f->marks);
     mem_free(f->tiles);
+    splats_free(f->splats);
     memset(f, 0, sizeof *f);
 }
 
@@ -182,7 +184,7 @@ void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values
     }
     f->counts[pixel]++;
     t->samples++;
-    if (UNLIKELY(power_of_two(f->counts[pixel])))
+    if (UNLIKELY(power_of_two(f->counts[pixel]) && !f->splats))
         f->marks[pixel * FILM_MARKS + (size_t)(log2_of(f->counts[pixel]) % FILM_MARKS)] =
             (float)mean_luminance(f, pixel);
     if (UNLIKELY(!all_good)) {
@@ -199,17 +201,34 @@ void film_add(Film *f, uint32_t x, uint32_t y, uint32_t index, const Rgb *values
     t->squares += lum * lum;
 }
 
+static Rgb value_of(const Film *f, int layer, size_t pixel)
+{
+    size_t at = (size_t)layer * f->w * f->h + pixel;
+    const Exact *s = f->sums + at * 3;
+    double count = f->counts[pixel] ? f->counts[pixel] : 1;
+    Rgb c = { (float)(exact_value(&s[0]) / count), (float)(exact_value(&s[1]) / count),
+              (float)(exact_value(&s[2]) / count) };
+
+    return f->splats ? rgb_add(c, splats_mean(f->splats, at)) : c;
+}
+
 void film_picture(const Film *f, int layer, Image *im)
 {
     size_t n = (size_t)f->w * f->h;
-    const Exact *s = f->sums + (size_t)layer * n * 3;
 
-    for (size_t i = 0; i < n; i++, s += 3) {
-        double count = f->counts[i] ? f->counts[i] : 1;
-        im->pixels[i] = rgb((float)(exact_value(&s[0]) / count),
-                            (float)(exact_value(&s[1]) / count),
-                            (float)(exact_value(&s[2]) / count));
-    }
+    for (size_t i = 0; i < n; i++)
+        im->pixels[i] = value_of(f, layer, i);
+}
+
+void film_pass(Film *f)
+{
+    int k;
+
+    if (!power_of_two(++f->passes))
+        return;
+    k = log2_of(f->passes);
+    for (size_t i = 0; i < (size_t)f->w * f->h; i++)
+        f->marks[i * FILM_MARKS + (size_t)(k % FILM_MARKS)] = rgb_lum(value_of(f, 0, i));
 }
 
 uint64_t film_samples(const Film *f)
@@ -231,6 +250,16 @@ uint64_t film_refused(const Film *f, uint32_t *x, uint32_t *y, uint32_t *index)
             *index = t->bad_index;
         }
         n += t->refused;
+    }
+    if (f->splats) {
+        uint32_t sx, sy;
+        uint64_t more = splats_refused(f->splats, &sx, &sy);
+        if (more && !n) {
+            *x = sx;
+            *y = sy;
+            *index = 0;
+        }
+        n += more;
     }
     return n;
 }
@@ -296,15 +325,16 @@ static double block_q(const Film *f, size_t pixel, int k)
     return d * d;
 }
 
-/* The same from the means of blocks; every pixel has two samples. */
+/* The same from the means of blocks; every pixel has two samples, or there were two passes. */
 static double block_variance(const Film *f)
 {
     double sum = 0, last = 0, before = 0;
 
     for (size_t i = 0; i < (size_t)f->w * f->h; i++) {
-        int k = log2_of(f->counts[i]);
+        uint32_t n = f->splats ? f->passes : f->counts[i];
+        int k = log2_of(n);
         double q = block_q(f, i, k);
-        sum += q * (double)((uint32_t)1 << k) / f->counts[i];
+        sum += q * (double)((uint32_t)1 << k) / n;
         if (k >= 3) {
             last += q;
             before += block_q(f, i, k - 2);
@@ -322,10 +352,25 @@ double film_error_independent(const Film *f)
     return mean > 0 && variance > 0 ? sqrt(variance * pixels) / mean : 0;
 }
 
+/* Of a film with splats, which nobody can tell apart. */
+static double error_of_passes(const Film *f)
+{
+    double mean = 0, variance, pixels = (double)f->w * f->h;
+
+    if (f->passes < 2)
+        return INFINITY;
+    for (size_t i = 0; i < (size_t)f->w * f->h; i++)
+        mean += rgb_lum(value_of(f, 0, i));
+    variance = block_variance(f);
+    return mean > 0 && variance > 0 ? sqrt(variance * pixels) / mean : 0;
+}
+
 double film_error(const Film *f)
 {
     double plain, mean, blocks, pixels = (double)f->w * f->h;
 
+    if (f->splats)
+        return error_of_passes(f);
     if (!plain_variance(f, &plain, &mean))
         return INFINITY;
     blocks = block_variance(f);

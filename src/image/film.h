@@ -16,6 +16,8 @@ bool   exact_add(Exact *e, float v);    /* false: v is not finite or too large; 
 void   exact_join(Exact *e, const Exact *other);
 double exact_value(const Exact *e);
 
+typedef struct Splats Splats;
+
 enum { FILM_TILE = 16 };                /* side of a tile, pixels */
 enum { FILM_MARKS = 4 };                /* blocks of samples that are remembered */
 
@@ -37,6 +39,8 @@ typedef struct {
     float   *marks;                     /* owned: [pixel][FILM_MARKS]; entry k % FILM_MARKS is the
                                          * luminance of the mean of the pixel's first 2^k samples */
     TileStats *tiles;                   /* owned */
+    Splats  *splats;                    /* owned: see splats.h; NULL: it takes none. With them: */
+    uint32_t passes;                    /* over the whole picture, whose blocks `marks` are of */
 } Film;
 
 /* False: reported, nothing held. layers >= 1. */
@@ -66,10 +70,14 @@ void film_drop(Film *f, uint32_t x, uint32_t y, double sum, double squares);
 /* Samples of each pixel, as a grey picture of the window's size. */
 void film_counts(const Film *f, Image *im);
 
+/* A film with splats has had one whole pass more: a mean of passes is what its picture is then. */
+void film_pass(Film *f);
+
 /* Estimated sigma/mu of the picture's noise, [Cline07 (4.13)]. Infinity before every pixel has two
  * samples. The first is for every sampler and any counts: from how far the means of whole blocks of
- * 2^k samples lie apart, and how fast that falls with k (see film.c). The second is for independent
- * samples, of which it is the sharper estimate; of stratified ones it is too high. */
+ * 2^k samples (with splats: of passes) lie apart, and how fast that falls with k (see film.c). The
+ * second is for independent samples, of which it is the sharper estimate; of stratified ones it is
+ * too high, and of splats it knows nothing. */
 double film_error(const Film *f);
 double film_error_independent(const Film *f);
 

@@ -264,5 +264,5 @@ const IntegratorKind integrator_direct = {
     .info = { "direct", "Cline07 4", "direct light, by any of many strategies", options },
     .truth = BIASED, .misses = "light scattered more than once, but for mirrors and glass",
     .open = open_direct, .close = close_direct, .radiance = radiance, .prepare = prepare,
-    .units = units, .run = run
+    .phases = 1, .units = units, .run = run
 };

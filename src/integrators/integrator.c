@@ -14,7 +14,7 @@
 INTEGRATORS(DECLARE)
 const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
-const char *const strategy_names[STRATEGIES] = { "implicit", "explicit" };
+const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
 bool warn_of_scattering(const Scene *s, const char *method)

@@ -1,13 +1,26 @@
 /* integrator.h -- how light travels. One file a method; integrator.c has the list.
  *
- * The driver (render/) owns threads, budgets and film; an integrator offers work in one of two
- * shapes: radiance along a camera ray, or passes made of phases made of units that may run in any
- * order (light paths, photon maps, chains). Everything random comes from the Tracer's sampler, by
- * (seed, pixel or unit, index, decision), never from the thread. */
+ * The driver (render/) owns threads, budgets and film; an integrator offers work in up to three
+ * shapes:
+ *
+ *   radiance   an estimate of the radiance along the ray of a camera sample: `path`;
+ *   splats     light that the same call, or a unit of a phase, finds for any pixel: `light`;
+ *   phases     work that comes before the camera samples, of units that may run in any order; once
+ *              (visibility maps, photon maps) or anew for each pass of one sample a pixel; or that
+ *              is all there is to a pass (chains).
+ *
+ * A pass of a method that merges light paths with eye paths, for example, has the phases 0: trace
+ * light paths, 1: sort their vertices into a grid, and then the camera samples, which look into the
+ * grid, and splat what light paths bring to the lens. A pass of chains has one phase, a unit for
+ * each chain, that splats. Progressive photon maps have the phases 0: eye paths of each tile, 1:
+ * grid of where they end, 2: photons, 3: the tiles' statistics, and add to the film in the last.
+ *
+ * Everything random comes from the Tracer's sampler, by (seed, pixel or unit, index, decision),
+ * never from the thread. */
 #ifndef INTEGRATORS_INTEGRATOR_H
 #define INTEGRATORS_INTEGRATOR_H
 
-#include "image/film.h"
+#include "image/splats.h"
 #include "sampling/sampler.h"
 #include "scene/scene.h"
 
@@ -15,7 +28,7 @@ typedef struct Integrator Integrator;
 
 /* What one camera sample found, apart by path length and by strategy: for tests, and for pictures
  * of each (--aov length:3=FILE, --aov strategy:explicit=FILE). */
-typedef enum { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGIES } Strategy;
+typedef enum { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_LENS, STRATEGIES } Strategy;
 extern const char *const strategy_names[STRATEGIES];
 enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
 typedef struct {
@@ -23,11 +36,20 @@ typedef struct {
     Rgb strategy[STRATEGIES];
 } Tally;
 
+/* Where splats go. */
+typedef struct {
+    Film *film;
+    const Filter *filter;
+    uint32_t layers[TALLY_LENGTHS][STRATEGIES]; /* of the film, a bit each, for such paths */
+} Canvas;
+
 /* One worker's tools. */
 typedef struct {
     const Scene *scene;         /* borrowed */
     Sampler  sampler;
     uint64_t rays;              /* cast so far, for progress */
+    uint64_t shots;             /* so far, whose splats' mean is the picture */
+    const Canvas *canvas;       /* borrowed; NULL: there is none */
     float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
     uint32_t x, y;              /* the pixel of the camera sample */
@@ -87,6 +109,21 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
     t->tally->strategy[how] = rgb_add(t->tally->strategy[how], c);
 }
 
+/* A path of `edges` edges, found by `how`, brings c to the place, in pixels: the measurement that
+ * makes the mean of all pixels, divided by the path's density. */
+INLINE void tracer_splat(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
+{
+    const Canvas *k = t->canvas;
+    float pixels;
+
+    if (!k || rgb_black(c))
+        return;
+    pixels = (float)k->film->full_w * (float)k->film->full_h;
+    film_splat(k->film, k->filter, place,
+               k->layers[edges < TALLY_LENGTHS ? edges : TALLY_LENGTHS - 1][how],
+               rgb_scale(c, pixels));
+}
+
 /* What the mean of a method's pictures is, as samples and as passes go to infinity. */
 typedef enum {
     UNBIASED,                   /* right at any number of samples */
@@ -107,20 +144,32 @@ typedef struct {
     /* Whether it shows light where the scene's lights give none. NULL: no. */
     bool (*glows)(const Integrator *it);
 
-    /* Shape 1: radiance arriving along the ray, one estimate. NULL: shape 2. */
-    Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
-    /* Shape 1: what it needs to know of the picture, whose film is there, before the first sample;
-     * then units(f, 0, 0) are run, see below, if there are any. What tiles learn while samples are
-     * taken may go into what is made here: a tile of the film is one worker's at a time, and its
-     * samples have an order. NULL: nothing. False: reported. */
+    /* What it needs to know of the picture, whose film is there, before anything else. NULL:
+     * nothing. False: reported. */
     bool (*prepare)(Integrator *it, const Film *f, uint64_t seed);
 
-    /* Shape 2: pass `pass` has phases 0 .. phases-1, each of units(...) units; all units of a phase
-     * end before the next begins. What a unit adds to the film must not depend on the order. */
-    int phases;
+    /* Radiance arriving along the ray, one estimate. What tiles learn while samples are taken may
+     * be kept: a tile of the film is one worker's at a time, and its samples have an order. NULL:
+     * phases are all there is. */
+    Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
+    /* Tracers have a canvas. Whoever splats counts shots, too. */
+    bool splats;
+
+    /* Phases 0 .. phases-1 of units(...) units each; all units of a phase end before the next
+     * begins. What a unit adds to the film must not depend on the order. They are run once, pass
+     * being 0, before all camera samples; or, with `anew` or without `radiance`, in every pass. */
+    int  phases;
+    bool anew;                  /* a pass is one sample a pixel then */
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
 } IntegratorKind;
+
+/* Whether pixels may have different counts of samples, and whether these say how noisy the picture
+ * is: not where a pass is one thing, or light comes from elsewhere. */
+INLINE bool integrator_adapts(const IntegratorKind *k)
+{
+    return k->radiance && !k->splats && !k->anew;
+}
 
 struct Integrator {             /* first member of every concrete one */
     const IntegratorKind *kind;

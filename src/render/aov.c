@@ -25,7 +25,7 @@ static bool parse_which(Aov *a, const char *arg, size_t n)
             a->which = k;
             return true;
         }
-    return err_usage("--aov strategy:NAME takes implicit or explicit");
+    return err_usage("--aov strategy:NAME takes implicit, explicit or lens");
 }
 
 bool aov_parse(Aov *a, const char *text)
@@ -59,6 +59,18 @@ bool aov_needs_tally(const Aov *a, int n)
         if (a[i].kind == AOV_LENGTH || a[i].kind == AOV_STRATEGY)
             return true;
     return false;
+}
+
+void aov_layers(const Aov *a, int n, Canvas *c)
+{
+    for (int edges = 0; edges < TALLY_LENGTHS; edges++)
+        for (int how = 0; how < STRATEGIES; how++) {
+            c->layers[edges][how] = 1;
+            for (int k = 0; k < n; k++)
+                if ((a[k].kind == AOV_LENGTH && a[k].which == edges) ||
+                    (a[k].kind == AOV_STRATEGY && a[k].which == how))
+                    c->layers[edges][how] |= (uint32_t)2 << k;
+        }
 }
 
 bool aov_needs_hit(const Aov *a, int n)

@@ -1,8 +1,8 @@
 /* render.c -- the driver. See render.h.
  *
- * Time is cut into passes and passes into units that threads take from a queue. For integrators
- * that give radiance along a ray, a unit is a tile of pixels and a pass some samples of each; the
- * others say themselves what their units are. Order cannot matter: random numbers come from the
+ * Time is cut into passes, passes into phases and these into units that threads take from a queue.
+ * Of camera samples a unit is a tile of pixels and a pass some samples of each; integrators say
+ * themselves what the units of their own phases are. Order cannot matter: random numbers come from the
  * pixel and the sample's index, and the film's sums are exact. Budgets are looked at after every
  * unit, so an interrupt or a limit of time leaves a whole picture, some of whose tiles have had a
  * pass more than others. */
@@ -15,6 +15,7 @@
 #include <string.h>
 
 enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
+enum { SAMPLES = -1 };
 
 typedef struct {
     const RenderSettings *settings;
@@ -22,6 +23,7 @@ typedef struct {
     Integrator  *integrator;
     Film        *film;
     Filter       filter;
+    Canvas       canvas;                /* where splats go, if there are any */
     bool         blurs;                 /* the scene moves while the shutter is open */
     float        time;                  /* else: of all rays */
     Tracer      *tracers;               /* one a worker */
@@ -32,12 +34,12 @@ typedef struct {
     double       so_far, coming;        /* samples a pixel: before this pass, and in it */
     double       expected;              /* in all, as far as one can tell; 0: not */
     uint32_t     pass;
-    int          phase;
+    int          phase;                 /* of the integrator; SAMPLES: camera samples */
     uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
     uint64_t     first_unit;            /* those before it are done */
     int          looked_spp, looked_seconds;    /* entries of the watch that are behind */
     bool         paused;                /* somebody wants to look */
-    uint64_t    *rays_seen;             /* of each worker, in `rays` already */
+    uint64_t    *rays_seen, *shots_seen;        /* of each worker, counted already */
     Progress     progress;
     double       start, cpu;            /* clocks at the start, later by what looking took */
     bool         ended;                 /* a budget or an interrupt ended it early */
@@ -106,13 +108,13 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
     Tracer *t = &j->tracers[worker];
 
     unit += j->first_unit;
-    if (j->adapts) {
+    if (j->phase != SAMPLES)
+        j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
+    else if (j->adapts) {
         Taker taker = { camera_sample, is_late, j, t };
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
-    } else if (j->integrator->kind->radiance)
+    } else
         camera_tile(j, t, (uint32_t)unit);
-    else
-        j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
 }
 
 /* How far the whole render is, by the budget that is nearest to its end. */
@@ -176,13 +178,23 @@ static void look(Job *j)
     j->cpu += clock_cpu() - cpu;
 }
 
+static void count_up(Job *j, int worker)
+{
+    const Tracer *t = &j->tracers[worker];
+
+    j->rays += t->rays - j->rays_seen[worker];
+    j->rays_seen[worker] = t->rays;
+    if (j->integrator->kind->splats)
+        film_shots(j->film, t->shots - j->shots_seen[worker]);
+    j->shots_seen[worker] = t->shots;
+}
+
 static bool after_unit(void *ctx, uint64_t done, int worker)
 {
     Job *j = ctx;
     double pass_done = (double)(j->first_unit + done) / (double)j->phase_units;
 
-    j->rays += j->tracers[worker].rays - j->rays_seen[worker];
-    j->rays_seen[worker] = j->tracers[worker].rays;
+    count_up(j, worker);
     progress_show(&j->progress, fraction_done(j, pass_done), j->so_far + j->coming * pass_done,
                   j->rays);
     if (is_late(j))
@@ -192,49 +204,20 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     return !j->ended && !j->paused;
 }
 
-static void prepare_unit(void *ctx, uint64_t unit, int worker)
+static uint64_t units_of(const Job *j)
 {
-    Job *j = ctx;
-    j->integrator->kind->run(j->integrator, j->film, 0, 0, unit, &j->tracers[worker]);
+    if (j->phase != SAMPLES)
+        return j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
+    return j->adapts ? adaptive_units(&j->adaptive) : film_ntiles(j->film);
 }
 
-static bool after_prepared(void *ctx, uint64_t done, int worker)
-{
-    Job *j = ctx;
-
-    (void)done;
-    j->rays += j->tracers[worker].rays - j->rays_seen[worker];
-    j->rays_seen[worker] = j->tracers[worker].rays;
-    j->ended = is_late(j);
-    return !j->ended;
-}
-
-/* What an integrator does before the first camera sample. False: reported. */
-static bool prepare(Job *j)
-{
-    const IntegratorKind *k = j->integrator->kind;
-    Work w = { 0, prepare_unit, after_prepared, NULL };
-
-    if (!k->radiance || !k->prepare)
-        return true;
-    if (!k->prepare(j->integrator, j->film, j->settings->seed))
-        return false;
-    w.ctx = j;
-    w.units = k->units ? k->units(j->integrator, j->film, 0, 0) : 0;
-    if (w.units)
-        work_run(&w, j->settings->threads);
-    return true;
-}
-
-static void run_phase(Job *j)
+static void run_phase(Job *j, int phase)
 {
     Work w = { 0, run_unit, after_unit, NULL };
 
     w.ctx = j;
-    w.units = j->adapts ? adaptive_units(&j->adaptive)
-            : j->integrator->kind->radiance ? film_ntiles(j->film)
-            : j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
-    j->phase_units = w.units;
+    j->phase = phase;
+    j->phase_units = units_of(j);
     j->paused = false;
     for (j->first_unit = 0; j->first_unit < j->phase_units && !j->ended;) {
         w.units = j->phase_units - j->first_unit;
@@ -245,10 +228,33 @@ static void run_phase(Job *j)
     j->first_unit = 0;
 }
 
+static void run_phases(Job *j)
+{
+    for (int phase = 0; phase < j->integrator->kind->phases && !j->ended; phase++)
+        run_phase(j, phase);
+}
+
+/* In every pass, as against once before all camera samples. */
+static bool phases_are_anew(const IntegratorKind *k) { return k->anew || !k->radiance; }
+
+/* What an integrator does before the first pass. False: reported. */
+static bool prepare(Job *j)
+{
+    const IntegratorKind *k = j->integrator->kind;
+
+    if (k->prepare && !k->prepare(j->integrator, j->film, j->settings->seed))
+        return false;
+    if (!phases_are_anew(k))
+        run_phases(j);
+    return true;
+}
+
 /* Samples of the next pass: few at first, for an early picture, then twice as many as before. */
 static uint32_t next_count(const Job *j)
 {
-    uint32_t n = j->pass == 0 ? 1 : j->first < PASS_MOST ? j->first : PASS_MOST;
+    const IntegratorKind *k = j->integrator->kind;
+    bool single = phases_are_anew(k) || k->splats;
+    uint32_t n = j->pass == 0 || single ? 1 : j->first < PASS_MOST ? j->first : PASS_MOST;
     uint32_t spp = j->settings->spp ? j->settings->spp : UINT32_MAX;
     const RenderWatch *w = j->settings->watch;
 
@@ -276,18 +282,22 @@ static bool good_enough(Job *j)
 static void run_passes(Job *j)
 {
     const RenderSettings *s = j->settings;
-    int phases = j->integrator->kind->radiance ? 1 : j->integrator->kind->phases;
+    const IntegratorKind *k = j->integrator->kind;
 
     j->expected = s->spp;
     while (!j->ended && (s->spp == 0 || j->first < s->spp)) {
         j->count = next_count(j);
         j->so_far = j->first;
         j->coming = j->count;
-        for (j->phase = 0; j->phase < phases && !j->ended; j->phase++)
-            run_phase(j);
+        if (phases_are_anew(k))
+            run_phases(j);
+        if (k->radiance && !j->ended)
+            run_phase(j, SAMPLES);
         j->first += j->count;
         j->pass++;
         j->paused = false;
+        if (k->splats && !j->ended)
+            film_pass(j->film);
         if (!j->ended && (samples_to_look(j) || time_to_look(j)))
             look(j);
         if (good_enough(j) || j->first == UINT32_MAX)
@@ -304,7 +314,7 @@ static void run_adaptive(Job *j)
         j->so_far = (double)adaptive_taken(a) / a->n;
         j->coming = adaptive_coming(a) / a->n;
         j->expected = a->expected / a->n;
-        run_phase(j);
+        run_phase(j, SAMPLES);
     }
 }
 
@@ -323,7 +333,7 @@ static float spread_of(const RenderSettings *s, const Camera *c)
 static bool adapt(Job *j)
 {
     const RenderSettings *s = j->settings;
-    bool can = s->adaptive && s->integrator->radiance;
+    bool can = s->adaptive && integrator_adapts(s->integrator);
     const AdaptiveKind *kind = can ? s->adaptive : &adaptive_none;
     Opts o;
 
@@ -335,6 +345,16 @@ static bool adapt(Job *j)
     return adaptive_init(&j->adaptive, kind, &o, j->film, s->spp, s->error, s->seed);
 }
 
+static bool stretch_canvas(Job *j)
+{
+    const RenderSettings *s = j->settings;
+
+    j->canvas.film = j->film;
+    j->canvas.filter = &j->filter;
+    aov_layers(s->aovs, s->naovs, &j->canvas);
+    return film_accepts_splats(j->film);
+}
+
 static bool job_init(Job *j, uint32_t *spp)
 {
     const RenderSettings *s = j->settings;
@@ -343,7 +363,8 @@ static bool job_init(Job *j, uint32_t *spp)
 
     j->tracers = MEM_ARRAY(Tracer, n);
     j->rays_seen = MEM_ARRAY(uint64_t, n);
-    if (!j->tracers || !j->rays_seen)
+    j->shots_seen = MEM_ARRAY(uint64_t, n);
+    if (!j->tracers || !j->rays_seen || !j->shots_seen)
         return false;
     if (aov_needs_tally(s->aovs, s->naovs)) {
         j->tallies = MEM_ARRAY(Tally, n);
@@ -354,6 +375,7 @@ static bool job_init(Job *j, uint32_t *spp)
         j->tracers[i].scene = j->scene;
         j->tracers[i].spread = spread;
         j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
+        j->tracers[i].canvas = s->integrator->splats ? &j->canvas : NULL;
     }
     if (!sampler_init(&j->tracers[0].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
         return false;
@@ -364,7 +386,8 @@ static bool job_init(Job *j, uint32_t *spp)
     if (!j->integrator)
         return false;
     j->integrator->kind = s->integrator;
-    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) && adapt(j);
+    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) &&
+           (!s->integrator->splats || stretch_canvas(j)) && adapt(j);
 }
 
 static void job_clear(Job *j)
@@ -377,6 +400,7 @@ static void job_clear(Job *j)
     mem_free(j->tracers);
     mem_free(j->tallies);
     mem_free(j->rays_seen);
+    mem_free(j->shots_seen);
 }
 
 /* A light that gives nothing, or none at all, is no error, but worth a word. */

@@ -23,6 +23,8 @@ typedef struct {
  * "samples=FILE". `text` is borrowed for the file's name. False: usage error reported. */
 bool aov_parse(Aov *a, const char *text);
 bool aov_needs_tally(const Aov *a, int n);
+/* Which layers of the film, 1 + k for aov k, take splats of which paths; layer 0 takes all. */
+void aov_layers(const Aov *a, int n, Canvas *c);
 bool aov_needs_hit(const Aov *a, int n);
 /* Values of n pictures for one camera sample. */
 void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values);

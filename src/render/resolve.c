@@ -177,7 +177,7 @@ static const char *sampler_stand_in(Setting *s)
  * integrator has pixels that can stop. */
 bool settings_adaptive(RenderSettings *s, const RenderRequest *q, Arena *arena)
 {
-    bool can = s->integrator->radiance != NULL;
+    bool can = integrator_adapts(s->integrator);
 
     if (q->adaptive)
         s->adaptive = kind_from_text(adaptives, "adaptive policy", q->adaptive, &s->adaptive_opts,

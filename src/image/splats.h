@@ -1,0 +1,34 @@
+/* splats.h -- light that lands on any pixel at any time: from methods that follow it from the lamps,
+ * or that move paths about the picture. Beside a film's samples, which belong to a pixel each.
+ *
+ * Where       A splat at a place x of the picture's plane adds w(x - c) of its light to each pixel
+ *             whose centre c is near enough, w the pixel filter of integral 1: what the mean of the
+ *             pixel's own samples would be, if these were drawn from w.
+ * How much    Splats are the mean of so many shots, each of which may give many splats or none; so
+ *             the expectation of a shot's splats is the picture.
+ * Order       Sums are exact, as those of samples are: whose splat comes first is all the same.
+ *             Locks, each of some tiles, let several threads splat at once. */
+#ifndef IMAGE_SPLATS_H
+#define IMAGE_SPLATS_H
+
+#include "image/film.h"
+#include "image/filter.h"
+
+/* Gives the film room for splats in all its layers. False: reported. */
+bool film_accepts_splats(Film *f);
+
+/* Adds c to the layers whose bits are set, around a place in pixels from the top left of the whole
+ * picture; what falls outside the window is nothing. Any number of threads at once. What is not
+ * finite or too large is refused and counted. */
+void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c);
+
+/* So many shots more. By one thread at a time, while none splats. */
+void film_shots(Film *f, uint64_t n);
+
+/* ---- for film.c ---- */
+
+void splats_free(Splats *s);                            /* s may be NULL */
+Rgb  splats_mean(const Splats *s, size_t sum);          /* of sums 3 sum .. 3 sum + 2 */
+uint64_t splats_refused(const Splats *s, uint32_t *x, uint32_t *y);
+
+#endif
