@@ -225,22 +225,15 @@ static bool glows(const Integrator *base)
 static void close_distributed(Integrator *base)
 {
     Distributed *it = (Distributed *)base;
-    if (it->lights)
-        it->lights->kind->close(it->lights);
+    lightsampler_close(it->lights);
     mem_free(it);
 }
 
 static bool open_lights(Distributed *it, const Scene *s, const char *name)
 {
-    const LightSamplerKind *kind = lightsampler_named(name, s);
-    Opts none;
-
     if (!strcmp(name, "all"))
         return true;
-    opts_default(&none, kind->info.options);
-    it->lights = kind->open(s, &none);
-    if (it->lights)
-        it->lights->kind = kind;
+    it->lights = lightsampler_open(name, s);
     return it->lights != NULL;
 }
 

@@ -8,7 +8,8 @@
     X(whitted)                  /* trees of mirror images, no noise */         \
     X(distributed)              /* blur and gloss, no indirect diffuse light */ \
     X(ao)                       /* how open the surroundings are */            \
-    X(direct)                   /* light scattered once */
+    X(direct)                   /* light scattered once */                     \
+    X(light)                    /* paths from the lamps */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

@@ -18,22 +18,17 @@ static bool only_beyond(const Scene *s)
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
                    bool directions)
 {
-    const LightSamplerKind *k = lightsampler_named(opt_string(o, "lightsampler"), s);
-    Opts none;
-
     memset(it, 0, sizeof *it);
     it->scene = s;
     it->power = opt_is(o, "heuristic", "power");
-    opts_default(&none, k->info.options);
-    it->lights = k->open(s, &none);
+    it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
     if (!it->lights)
         return false;
-    it->lights->kind = k;
     it->tentative = tentative || only_beyond(s);
     it->directions = directions;
     it->shining.none = true;
     if ((tentative || directions) && !subset_init(&it->shining, s, shape_shines)) {
-        k->close(it->lights);
+        lightsampler_close(it->lights);
         it->lights = NULL;
         return false;
     }

@@ -20,3 +20,22 @@ const LightSamplerKind *lightsampler_named(const char *name, const Scene *s)
         name = s->nlights <= FEW ? "contribution" : "power";
     return kind_find(lightsamplers, name);
 }
+
+LightSampler *lightsampler_open(const char *name, const Scene *s)
+{
+    const LightSamplerKind *k = lightsampler_named(name, s);
+    LightSampler *ls;
+    Opts none;
+
+    opts_default(&none, k->info.options);
+    ls = k->open(s, &none);
+    if (ls)
+        ls->kind = k;
+    return ls;
+}
+
+void lightsampler_close(LightSampler *ls)
+{
+    if (ls)
+        ls->kind->close(ls);
+}

@@ -31,5 +31,8 @@ extern const LightSamplerKind *const lightsamplers[];           /* ends with NUL
 /* By name. auto: by contribution where lights are few enough to look at each for each choice (64),
  * since that is never much noisier than any other and often far less; else by power. */
 const LightSamplerKind *lightsampler_named(const char *name, const Scene *s);
+/* Opens the one of that name. NULL: reported. Closing NULL does nothing. */
+LightSampler *lightsampler_open(const char *name, const Scene *s);
+void lightsampler_close(LightSampler *ls);
 
 #endif

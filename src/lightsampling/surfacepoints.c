@@ -279,23 +279,19 @@ static bool spread(PointLights *to, Surfaces *it, size_t wanted, float area)
 bool surface_points(PointLights *to, size_t wanted)
 {
     const Scene *s = to->scene;
-    const LightSamplerKind *k = lightsampler_named(LIGHTSAMPLER_DEFAULT, s);
     Surfaces it = { s, NULL, NULL, 0, 0, 0 };
     uint64_t lines = 0;
-    Opts none;
 
     if (!s->accel || !(s->radius > 0.0f))
         return true;
-    opts_default(&none, k->info.options);
-    it.lights = k->open(s, &none);
+    it.lights = lightsampler_open(LIGHTSAMPLER_DEFAULT, s);
     if (it.lights) {
-        it.lights->kind = k;
         lines = follow_lines(&it, wanted);
         if (lines && it.n)
             lines = spread(to, &it, wanted,
                            (float)(4 * PI * (double)s->radius * (double)s->radius /
                                    (double)lines)) ? lines : 0;
-        k->close(it.lights);
+        lightsampler_close(it.lights);
     }
     mem_free(it.place);
     return lines > 0;

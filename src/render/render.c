@@ -2,10 +2,10 @@
  *
  * Time is cut into passes, passes into phases and these into units that threads take from a queue.
  * Of camera samples a unit is a tile of pixels and a pass some samples of each; integrators say
- * themselves what the units of their own phases are. Order cannot matter: random numbers come from the
- * pixel and the sample's index, and the film's sums are exact. Budgets are looked at after every
- * unit, so an interrupt or a limit of time leaves a whole picture, some of whose tiles have had a
- * pass more than others. */
+ * themselves what the units of their own phases are. Order cannot matter: random numbers come from
+ * the pixel and the sample's index, and the film's sums are exact. Budgets are looked at after
+ * every unit, so an interrupt or a limit of time leaves a whole picture, some of whose tiles have
+ * had a pass more than others. */
 #include "render/render.h"
 
 #include "base/clock.h"

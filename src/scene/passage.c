@@ -80,6 +80,22 @@ uint32_t medium_beyond(const Surface *at, V3 w, uint32_t medium)
     return v_dot(at->ng, w) > 0.0f ? at->shape->outside : at->shape->inside;
 }
 
+uint32_t scene_medium_at(const Scene *s, V3 p, float time)
+{
+    Ray r = { .o = p, .d = { 0.36f, 0.48f, 0.8f }, .tmax = INFINITY, .time = time };
+
+    for (int n = 0; n < PASSED_MOST; n++) {
+        Surface at;
+        Hit h;
+        if (scene_meets(s, &r, true, &h, &at) == MET_NOTHING)
+            break;
+        if (at.shape->separates)
+            return medium_beyond(&at, v_neg(r.d), s->around);
+        r.o = ray_origin(at.p, at.err, at.ng, r.d);
+    }
+    return s->around;
+}
+
 Rgb scene_transmittance(const Scene *s, const Ray *r, uint32_t medium)
 {
     Rgb left = rgb_all(1.0f);

@@ -341,6 +341,8 @@ bool scene_nearest_past(const Scene *s, const Ray *r, Hit *h);
 /* The part of the light that gets along the whole ray, whose start is in `medium`; media change at
  * their borders. Black where anything stops it. */
 Rgb  scene_transmittance(const Scene *s, const Ray *r, uint32_t medium);
+/* The medium around a place, by the nearest border of media in some direction. */
+uint32_t scene_medium_at(const Scene *s, V3 p, float time);
 /* The medium on the side of a surface that w points to; `medium` if it separates none. */
 uint32_t medium_beyond(const Surface *at, V3 w, uint32_t medium);
 
