@@ -9,7 +9,12 @@
 
 void lab_camera(Lab *l, V3 eye, V3 at, float fov, const char *options)
 {
-    const CameraKind *k = kind_find(cameras, "perspective");
+    lab_camera_of(l, "perspective", eye, at, fov, options);
+}
+
+void lab_camera_of(Lab *l, const char *kind, V3 eye, V3 at, float fov, const char *options)
+{
+    const CameraKind *k = kind_find(cameras, kind);
     Transform view;
     Making m;
     Opts o;
@@ -19,28 +24,40 @@ void lab_camera(Lab *l, V3 eye, V3 at, float fov, const char *options)
     REQUIRE(xf_look_at(&view, eye, at, v3(0, 0, 1)), "view");
     m.to_world = xf_inverse(&view);
     opts_default(&o, k->info.options);
-    REQUIRE(opts_parse(&o, "perspective", options, &l->arena), "camera %s", options);
-    opt_set_number(&o, "fov", fov);
+    REQUIRE(opts_parse(&o, kind, options, &l->arena), "camera %s", options);
+    if (!strcmp(kind, "perspective"))
+        opt_set_number(&o, "fov", fov);
     l->scene->camera = k->make(&m, &o);
     REQUIRE(l->scene->camera, "camera");
     l->scene->camera->kind = k;
 }
 
+/* Ends the text at its first '@' and gives what follows. */
+static char *cut_at(char *text)
+{
+    char *at = text + strcspn(text, "@");
+
+    if (*at)
+        *at++ = 0;
+    return at;
+}
+
 void picture_settings(Lab *l, RenderSettings *s, const char *method, uint32_t w, uint32_t h,
                       uint32_t spp)
 {
-    const char *sampler = strchr(method, '@');
-    char text[400];
+    char text[400], *sampler, *filter;
 
     memset(s, 0, sizeof *s);
-    snprintf(text, sizeof text, "%.*s", (int)strcspn(method, "@"), method);
+    snprintf(text, sizeof text, "%s", method);
+    sampler = cut_at(text);
+    filter = cut_at(sampler);
     s->integrator = lab_method(l, text, &s->integrator_opts);
-    s->sampler = kind_from_text(samplers, "sampler", sampler ? sampler + 1 : SAMPLER_DEFAULT,
+    s->sampler = kind_from_text(samplers, "sampler", *sampler ? sampler : SAMPLER_DEFAULT,
                                 &s->sampler_opts, &l->arena);
-    REQUIRE(s->sampler, "%s", method);
-    s->filter = kind_find(filters, FILTER_DEFAULT);
+    s->filter = kind_from_text(filters, "filter", *filter ? filter : FILTER_DEFAULT,
+                               &s->filter_opts, &l->arena);
+    REQUIRE(s->sampler && s->filter, "%s", method);
     s->accel = kind_find(accels, ACCEL_DEFAULT);
-    opts_default(&s->filter_opts, s->filter->info.options);
     opts_default(&s->accel_opts, s->accel->info.options);
     s->w = s->crop[2] = w;
     s->h = s->crop[3] = h;
@@ -59,7 +76,11 @@ bool films_equal(const Film *a, const Film *b)
     size_t n = (size_t)a->w * a->h;
     return a->w == b->w && a->h == b->h && a->layers == b->layers &&
            !memcmp(a->counts, b->counts, n * sizeof *a->counts) &&
-           !memcmp(a->sums, b->sums, n * 3 * (size_t)a->layers * sizeof *a->sums);
+           !memcmp(a->sums, b->sums, n * 3 * (size_t)a->layers * sizeof *a->sums) &&
+           !a->splats == !b->splats &&
+           (!a->splats || (a->splats->shots == b->splats->shots &&
+                           !memcmp(a->splats->sums, b->splats->sums,
+                                   n * 3 * (size_t)a->layers * sizeof *a->sums)));
 }
 
 /* ---- series ---- */
@@ -88,6 +109,7 @@ void series_render(Lab *l, Series *s, const char *method, uint32_t side, uint32_
     s->tile = MEM_ARRAY(double, (size_t)s->tiles * RUNS);
     REQUIRE(s->tile && image_init(&im, side, side), "memory");
     picture_settings(l, &settings, method, side, side, test_is_long() ? 16 * spp : spp);
+    s->tied = settings.integrator->splats;
     for (int run = 0; run < RUNS; run++) {
         settings.seed = seed * RUNS + (uint64_t)run;
         picture_render(l, &settings, &film, &report);
@@ -112,13 +134,23 @@ static Stat tile_stat(const Series *s, uint32_t tile)
     return st;
 }
 
-/* The mean of the tiles. They are independent, so their variances add up, and there are enough of
- * them for the normal distribution. */
+/* The mean of the tiles. Where these are independent, their variances add up, and there are enough
+ * of them for the normal distribution; else all there is are the runs. */
 static Stat whole_stat(const Series *s)
 {
     Stat st = { (double)s->tiles * RUNS, 0, 0, 1, 0 };
     double variance = 0;
 
+    if (s->tied) {
+        st = (Stat){ 0, 0, 0, 0, 0 };
+        for (int run = 0; run < RUNS; run++) {
+            double mean = 0;
+            for (uint32_t k = 0; k < s->tiles; k++)
+                mean += s->tile[(size_t)k * RUNS + (size_t)run] / s->tiles;
+            stat_add_block(&st, mean, 1, 0);
+        }
+        return st;
+    }
     for (uint32_t k = 0; k < s->tiles; k++) {
         Stat tile = tile_stat(s, k);
         st.mean += tile.mean / s->tiles;

@@ -7,9 +7,11 @@
 #include "test/physics.h"
 
 void lab_camera(Lab *l, V3 eye, V3 at, float fov, const char *options);
+void lab_camera_of(Lab *l, const char *kind, V3 eye, V3 at, float fov, const char *options);
 
-/* Box filter, one thread. method: as lab_method takes it; a sampler may follow, as in
- * "direct:strategy=mis@halton" or "@random", else it is the default. Text is kept by l. */
+/* One thread. method: as lab_method takes it; a sampler may follow, and a filter, as in
+ * "direct:strategy=mis@halton" or "@random@gaussian", else they are the defaults. Text is kept by
+ * l. */
 void picture_settings(Lab *l, RenderSettings *s, const char *method, uint32_t w, uint32_t h,
                       uint32_t spp);
 /* Renders or ends the case. The film is the caller's. */
@@ -25,6 +27,7 @@ enum { RUNS = 16, TILE = 8 };
 typedef struct {
     uint32_t tiles;
     double  *tile;              /* owned: [tile][run] */
+    bool     tied;              /* a path may bring light to many tiles */
 } Series;
 
 void series_render(Lab *l, Series *s, const char *method, uint32_t side, uint32_t spp,

@@ -7,18 +7,12 @@
 
 enum { LOCKS = 64 };                    /* a power of two */
 
-typedef struct {
+typedef struct SplatLock {
     pthread_mutex_t mutex;
+    bool     made;
     uint64_t refused;
     uint32_t bad_x, bad_y;              /* the first one refused */
 } Lock;
-
-struct Splats {
-    Exact   *sums;                      /* owned: [layer][pixel][3] */
-    uint64_t shots;
-    Lock     lock[LOCKS];
-    int      made;                      /* of the mutexes */
-};
 
 bool film_accepts_splats(Film *f)
 {
@@ -28,11 +22,14 @@ bool film_accepts_splats(Film *f)
     if (!s)
         return false;
     s->sums = MEM_ARRAY(Exact, (size_t)f->w * f->h * 3 * (size_t)f->layers);
-    if (!s->sums)
+    s->lock = MEM_ARRAY(Lock, LOCKS);
+    if (!s->sums || !s->lock)
         return false;
-    for (; s->made < LOCKS; s->made++)
-        if (pthread_mutex_init(&s->lock[s->made].mutex, NULL))
+    for (int k = 0; k < LOCKS; k++) {
+        s->lock[k].made = pthread_mutex_init(&s->lock[k].mutex, NULL) == 0;
+        if (!s->lock[k].made)
             return err_memory(sizeof(Lock));
+    }
     return true;
 }
 
@@ -40,8 +37,10 @@ void splats_free(Splats *s)
 {
     if (!s)
         return;
-    while (s->made)
-        pthread_mutex_destroy(&s->lock[--s->made].mutex);
+    for (int k = 0; s->lock && k < LOCKS; k++)
+        if (s->lock[k].made)
+            pthread_mutex_destroy(&s->lock[k].mutex);
+    mem_free(s->lock);
     mem_free(s->sums);
     mem_free(s);
 }

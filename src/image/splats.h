@@ -1,5 +1,5 @@
-/* splats.h -- light that lands on any pixel at any time: from methods that follow it from the lamps,
- * or that move paths about the picture. Beside a film's samples, which belong to a pixel each.
+/* splats.h -- light that lands on any pixel at any time: from methods that follow it from lamps, or
+ * that move paths about the picture. Beside a film's samples, which belong to a pixel each.
  *
  * Where       A splat at a place x of the picture's plane adds w(x - c) of its light to each pixel
  *             whose centre c is near enough, w the pixel filter of integral 1: what the mean of the
@@ -13,6 +13,12 @@
 
 #include "image/film.h"
 #include "image/filter.h"
+
+struct Splats {
+    Exact   *sums;                      /* owned: [layer][pixel][3] */
+    uint64_t shots;
+    struct SplatLock *lock;             /* owned */
+};
 
 /* Gives the film room for splats in all its layers. False: reported. */
 bool film_accepts_splats(Film *f);
