@@ -5,6 +5,7 @@
     { "integrator/ao", 0x1F8F508FFDB6313E },
     { "integrator/direct", 0x7CF3B670E3153EB6 },
     { "integrator/light", 0x838072C285671599 },
+    { "integrator/photons", 0x4060BF4C4DBCC15C },
     { "sampler/random", 0x1384E1709AD9B699 },
     { "sampler/zerotwo", 0xDF5E4E0D6F5186C6 },
     { "sampler/stratified", 0x8CD57317F347ED0E },

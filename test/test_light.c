@@ -184,6 +184,63 @@ static void fog(void)
     lab_clear(&l);
 }
 
+/* ---- photons ---- */
+
+/* Those that a wide lens catches. */
+static void photons(void)
+{
+    Series path, counted;
+    Lab l;
+
+    lab_init(&l);
+    add_lamp(&l, "quad");
+    add_things(&l);
+    lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "lensradius=2,focaldistance=7");
+    lab_build(&l);
+    series_render(&l, &path, "path:maxdepth=4", 32, 8, 1);
+    series_render(&l, &counted, "photons:maxdepth=4", 32, 96, 2);
+    series_expect_same(&counted, &path, 0.2, "a wide lens");
+    series_clear(&path);
+    series_clear(&counted);
+    lab_clear(&l);
+}
+
+/* Within a sphere that shines alike everywhere, the ball about a pinhole sees that everywhere. */
+static void photons_on_a_ball(void)
+{
+    static const char *const kinds[] = { "environment", "perspective", "spherical" };
+
+    for (int k = 0; k < 3; k++) {
+        RenderSettings s;
+        RenderReport report;
+        Stat mean[2] = { { 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0 } };
+        Lab l;
+        lab_init(&l);
+        lab_shine(&l, lab_sphere(&l, v3(0, 0, 0), 10,
+                                 lab_material(&l, "diffuse", "reflectance=0"), true), "L=1");
+        lab_camera_of(&l, kinds[k], v3(0, 0, 0), v3(1, 0, 0), 90, "");
+        lab_build(&l);
+        picture_settings(&l, &s, "photons:ball=2", 8, 8, 4000);
+        for (s.seed = 0; s.seed < 16; s.seed++) {
+            Image im;
+            Film film;
+            double half[2] = { 0, 0 };
+            picture_render(&l, &s, &film, &report);
+            REQUIRE(image_init(&im, 8, 8), "memory");
+            film_picture(&film, 0, &im);
+            for (int i = 0; i < 64; i++)
+                half[i / 32] += rgb_lum(im.pixels[i]) / 32;
+            for (int h = 0; h < 2; h++)
+                stat_add_block(&mean[h], half[h], 1, 0);
+            image_clear(&im);
+            film_clear(&film);
+        }
+        for (int h = 0; h < 2; h++)
+            stat_expect(&mean[h], 1, 0.2, kinds[k]);
+        lab_clear(&l);
+    }
+}
+
 /* ---- the picture as a whole ---- */
 
 /* Bytes do not depend on threads; parts by length and strategy add up to the picture. */
@@ -276,6 +333,8 @@ const TestCase test_light[] = {
     { "caustic", caustic, false },
     { "tank", tank, false },
     { "fog", fog, false },
+    { "photons", photons, false },
+    { "photons_on_a_ball", photons_on_a_ball, false },
     { "parts", parts, false },
     { "error", error, false },
     { NULL, NULL, false }

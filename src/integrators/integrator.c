@@ -9,7 +9,8 @@
     X(distributed)              /* blur and gloss, no indirect diffuse light */ \
     X(ao)                       /* how open the surroundings are */            \
     X(direct)                   /* light scattered once */                     \
-    X(light)                    /* paths from the lamps */
+    X(light)                    /* paths from the lamps */                     \
+    X(photons)                  /* the same by chance alone */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

@@ -136,7 +136,8 @@ static void report_now(const Job *j, RenderReport *r)
 {
     r->seconds = clock_wall() - j->start;
     r->cpu_seconds = clock_cpu() - j->cpu;
-    r->samples = j->adapts ? adaptive_taken(&j->adaptive) : film_samples(j->film);
+    r->samples = j->adapts ? adaptive_taken(&j->adaptive)
+               : j->film->splats ? j->film->splats->shots : film_samples(j->film);
     r->rays = j->rays;
     r->spp = !j->integrator->kind->radiance
                  ? j->first : (double)r->samples / ((double)j->film->w * j->film->h);

@@ -39,7 +39,7 @@ enum { OUTPUTS_MAX = 8, AOVS_MAX = 16 };
 
 typedef struct {
     double   seconds, cpu_seconds;      /* of rendering alone */
-    uint64_t samples, rays;
+    uint64_t samples, rays;             /* with splats, shots are what is counted */
     double   spp;                       /* samples a pixel: their mean; of whole passes, if the
                                          * integrator does not give radiance along a ray */
     bool     interrupted;
