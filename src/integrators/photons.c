@@ -11,9 +11,9 @@
  * Bands       Red, green and blue: the noise is coloured.
  * Lens        The camera's own, where it has one: what is out of focus is blurred, as it is for
  *             other methods, and the mean is the same. Around a pinhole a ball of radius R takes
- *             photons, of which a disc of area pi R^2 faces each: they count F pdf_w / (pi R^2) where
- *             the pinhole shows the last place that they came from. So all is in focus, and what is
- *             wrong by parallax goes as R / distance. */
+ *             photons, to each of which it shows an area of pi R^2: they count F pdf_w / (pi R^2)
+ *             where the pinhole shows the last place that they came from. So all is in focus, and
+ *             what is wrong by parallax goes as R / distance. */
 #include "base/mem.h"
 #include "integrators/particle.h"
 #include "scene/camera.h"
