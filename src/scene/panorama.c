@@ -348,9 +348,56 @@ bool panorama_set_way(Panorama *p, PanoramaWay way, int cuts)
     return ok;
 }
 
+/* Where samples of the surface are as many, they find directions of the hemisphere with a density
+ * of 1/2 pi in the mean over all orientations of a surface. Those of the picture are to add what is
+ * wanting: both together in proportion to the light L, up from a level l below which the surface
+ * finds enough. A density of (L - l) / Z, where Z is the integral of max(0, L - l), plus 1/2 pi is
+ * proportional to L if l = Z / 2 pi. In sums over the cells above the level, W of their light and M
+ * of their solid angle, A of all: Z = W - l M and 2 pi = A / 2, so l = 2 W / (A + 2 M). From l = 0
+ * this climbs to the solution, which is Newton's method: the fewer the cells above, the less it
+ * moves. [Karlik19] subtracts the mean. */
+static double even_level(const float *weight, const float *measure, size_t n)
+{
+    enum { STEPS_MOST = 32 };   /* of 4 to 8 on pictures of the sky; any level is unbiased */
+    double level = 0.0, last = -1.0, all = 0.0;
+
+    for (size_t i = 0; i < n; i++)
+        all += measure[i];
+    for (int k = 0; k < STEPS_MOST && level > last; k++) {
+        double light = 0.0, above = 0.0;
+        for (size_t i = 0; i < n; i++)
+            if (weight[i] > level * measure[i]) {
+                light += weight[i];
+                above += measure[i];
+            }
+        last = level;
+        level = all > 0.0 ? 2.0 * light / (all + 2.0 * above) : 0.0;
+    }
+    return last;
+}
+
+bool panorama_set_bright(Panorama *p)
+{
+    size_t n = (size_t)width(p) * height(p);
+    float *weight = weights_of(p), *measure = MEM_ARRAY(float, n);
+    bool ok = weight && measure;
+    double level;
+
+    for (size_t i = 0; ok && i < n; i++)
+        measure[i] = (float)cell_measure(p, (uint32_t)(i % width(p)), (uint32_t)(i / width(p)));
+    level = ok ? even_level(weight, measure, n) : 0.0;
+    for (size_t i = 0; ok && i < n; i++)
+        weight[i] = (float)d_max(0.0, weight[i] - level * measure[i]);
+    ok = ok && table2_init(&p->bright, weight, width(p), height(p));
+    mem_free(weight);
+    mem_free(measure);
+    return ok;
+}
+
 void panorama_clear(Panorama *p)
 {
     table2_clear(&p->table);
+    table2_clear(&p->bright);
     alias_clear(&p->alias);
     mediancut_clear(&p->cut);
     mem_free(p->region);
@@ -390,6 +437,13 @@ float panorama_pdf_w(const Panorama *p, V3 d)
     return jacobian > 0.0f ? place_pdf(p, q) / jacobian : 0.0f;
 }
 
+float panorama_bright_pdf_w(const Panorama *p, V3 d)
+{
+    float jacobian;
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+    return jacobian > 0.0f ? table2_pdf(&p->bright, q) / jacobian : 0.0f;
+}
+
 /* The cell takes both numbers, as one of 48 bits; what they still hold is cut in two for the place
  * in the cell, of 12 bits a side. Neighbours in u are none in the picture: strata are lost. */
 static bool place_by_alias(const Panorama *p, V2 u, V2 *q, float *pdf)
@@ -418,21 +472,47 @@ static bool place_sample(const Panorama *p, V2 u, V2 *q, float *pdf)
     return table2_sample(&p->table, u, q, pdf);
 }
 
-bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+/* The direction of a place that was drawn with density pdf. */
+static bool direction_of(const Panorama *p, V2 q, float pdf, V3 *d, float *pdf_w)
 {
-    float pdf, jacobian;
-    V2 q;
+    float jacobian;
 
-    if (!place_sample(p, u, &q, &pdf))
-        return false;
     *d = mapping_direction(&p->mapping, q, &jacobian);
     if (!(jacobian > 0.0f))
         return false;
     *pdf_w = pdf / jacobian;
-    *value = p->way == PANORAMA_FIXED
-                 ? rgb_scale(p->region[mediancut_find(&p->cut, q)], 1.0f / jacobian)
-                 : lookup(p, q);
     return *pdf_w > 0.0f;
+}
+
+/* Of PANORAMA_FIXED: the light of the region of a place, as radiance there. */
+static Rgb region_light(const Panorama *p, V2 q)
+{
+    float jacobian;
+
+    mapping_direction(&p->mapping, q, &jacobian);
+    return rgb_scale(p->region[mediancut_find(&p->cut, q)], 1.0f / jacobian);
+}
+
+bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+{
+    float pdf;
+    V2 q;
+
+    if (!place_sample(p, u, &q, &pdf) || !direction_of(p, q, pdf, d, pdf_w))
+        return false;
+    *value = p->way == PANORAMA_FIXED ? region_light(p, q) : lookup(p, q);
+    return true;
+}
+
+bool panorama_bright_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+{
+    float pdf;
+    V2 q;
+
+    if (!table2_sample(&p->bright, u, &q, &pdf) || !direction_of(p, q, pdf, d, pdf_w))
+        return false;
+    *value = lookup(p, q);
+    return true;
 }
 
 /* By points, at least 128 along each side: cells of small pictures hold several. */
