@@ -1,12 +1,14 @@
 /* infinite.c -- the light `infinite`: radiance from all directions, constant or by a picture of
  * them.
  *
- * Source      [Cline07 4.4.2, 5.2.1]; mappings of pictures: panorama.h.
+ * Source      [Cline07 4.4.2, 5.2.1], [Karlik19]; mappings of pictures: panorama.h.
  * Sampling    Cells of the picture in proportion to luminance times solid angle, by inverting its
  *             sums or by the alias method [Cline07 4.4.2]; or regions of like light [Debevec05],
  *             and a place in each. Without jitter that place is the region's middle and stands for
  *             all of it: shadows have as many edges as there are regions, and the picture is
- *             biased. Constant skies uniformly over the sphere. */
+ *             biased. Constant skies uniformly over the sphere.
+ * Beside      directions by the surface: cells by what rises above an even level, see panorama.h
+ *             and [Karlik19]. Only where sums are inverted. */
 #include "sampling/warp.h"
 #include "scene/panorama.h"
 
@@ -255,7 +257,7 @@ static const OptDef options[] = {
 };
 
 const LightKind light_infinite = {
-    .info = { "infinite", "Cline07 4.4.2; Clarberg08; Debevec98",
+    .info = { "infinite", "Cline07 4.4.2; Karlik19; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .sample_beside = sample_beside, .pdf_beside = pdf_beside, .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
