@@ -24,12 +24,13 @@ static const Mapping mappings[] = {
     { MAPPING_MIRRORBALL, 0, 0 }
 };
 
-/* A sun of a few cells, a bright quarter, a gentle rest. */
+/* A small sun in a wide glow, a bright quarter, a gentle rest. */
 static Rgb sunny(V3 w)
 {
-    float c = v_dot(w, v_unit(v3(0.3f, -0.4f, 0.8f)));
-    float L = c > 0.98f ? 200 : w.x > 0 && w.y > 0 ? 3 : 0.6f + 0.5f * w.z;
-    return rgb(L, 0.8f * L, 0.7f * L);
+    float c = f_max(0, v_dot(w, v_unit(v3(0.3f, -0.4f, 0.8f)))), glow = f_sqr(f_sqr(c));
+    float L = (w.x > 0 && w.y > 0 ? 1.6f : 0.6f) + 0.5f * w.z + 3 * glow;
+    glow = f_sqr(f_sqr(f_sqr(glow)));
+    return rgb_scale(rgb(1, 0.8f, 0.7f), L + 200 * f_sqr(f_sqr(glow)));
 }
 
 static void draw_picture(Image *im, uint32_t w, uint32_t h, const Mapping *m, Rgb (*f)(V3 w))
