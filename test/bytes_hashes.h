@@ -62,7 +62,7 @@
     { "light/distant", 0x2E7DBBF713FA5918 },
     { "light/diffuse", 0xA0A57AE643B80473 },
     { "light/infinite", 0xD8A514EBD425B9DE },
-    { "light/sky", 0x15D99CC74FA99AAA },
+    { "light/sky", 0xEB8D5E290EC6EABA },
     { "shape/trianglemesh", 0x280B32FA05CD8256 },
     { "shape/plymesh", 0xCB6B468F576560EE },
     { "shape/obj", 0xA58AA5DAEA8C6C67 },

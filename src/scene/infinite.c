@@ -75,7 +75,7 @@ static bool prepare(Light *base, const Scene *s)
     l->stage = stage_of(s);
     if (l->image && (!panorama_init(&l->picture, l->image, l->mapping) ||
                      !panorama_set_way(&l->picture, l->way, l->cuts) ||
-                     (l->way == PANORAMA_CDF && !panorama_set_bright(&l->picture))))
+                     (l->way == PANORAMA_CDF && !panorama_set_bright(&l->picture, 0.0, 0.0, NULL))))
         return false;
     if (l->image && l->illuminance > 0.0f)
         up = panorama_upward(&l->picture);
@@ -260,6 +260,6 @@ const LightKind light_infinite = {
     .info = { "infinite", "Cline07 4.4.2; Karlik19; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .sample_beside = sample_beside, .pdf_beside = pdf_beside, .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate, .picture = picture
 };

@@ -356,15 +356,14 @@ bool panorama_set_way(Panorama *p, PanoramaWay way, int cuts)
  * of their solid angle, A of all: Z = W - l M and 2 pi = A / 2, so l = 2 W / (A + 2 M). From l = 0
  * this climbs to the solution, which is Newton's method: the fewer the cells above, the less it
  * moves. [Karlik19] subtracts the mean. */
-static double even_level(const float *weight, const float *measure, size_t n)
+static double even_level(const float *weight, const float *measure, size_t n, double all,
+                         double lum, double angle)
 {
     enum { STEPS_MOST = 32 };   /* of 4 to 8 on pictures of the sky; any level is unbiased */
-    double level = 0.0, last = -1.0, all = 0.0;
+    double level = 0.0, last = -1.0;
 
-    for (size_t i = 0; i < n; i++)
-        all += measure[i];
     for (int k = 0; k < STEPS_MOST && level > last; k++) {
-        double light = 0.0, above = 0.0;
+        double above = lum > level ? angle : 0.0, light = lum * above;
         for (size_t i = 0; i < n; i++)
             if (weight[i] > level * measure[i]) {
                 light += weight[i];
@@ -376,18 +375,26 @@ static double even_level(const float *weight, const float *measure, size_t n)
     return last;
 }
 
-bool panorama_set_bright(Panorama *p)
+bool panorama_set_bright(Panorama *p, double lum, double angle, float *share)
 {
     size_t n = (size_t)width(p) * height(p);
     float *weight = weights_of(p), *measure = MEM_ARRAY(float, n);
     bool ok = weight && measure;
-    double level;
+    double all = 0.0, level, rest = 0.0, other;
 
-    for (size_t i = 0; ok && i < n; i++)
+    for (size_t i = 0; ok && i < n; i++) {
         measure[i] = (float)cell_measure(p, (uint32_t)(i % width(p)), (uint32_t)(i / width(p)));
-    level = ok ? even_level(weight, measure, n) : 0.0;
-    for (size_t i = 0; ok && i < n; i++)
+        all += measure[i];
+    }
+    angle *= all / (4.0 * PI);                  /* in the unit of cells */
+    level = ok ? even_level(weight, measure, n, all, lum, angle) : 0.0;
+    for (size_t i = 0; ok && i < n; i++) {
         weight[i] = (float)d_max(0.0, weight[i] - level * measure[i]);
+        rest += weight[i];
+    }
+    other = d_max(0.0, lum - level) * angle;
+    if (share)
+        *share = other > 0.0 ? (float)(other / (other + rest)) : 0.0f;
     ok = ok && table2_init(&p->bright, weight, width(p), height(p));
     mem_free(weight);
     mem_free(measure);

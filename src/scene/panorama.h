@@ -74,8 +74,10 @@ bool  panorama_init(Panorama *p, const Image *image, Mapping m);        /* false
 bool  panorama_set_way(Panorama *p, PanoramaWay way, int cuts);
 /* Makes the second table, for samples that stand beside as many directions by the surface: the even
  * light of the picture is found by those, so these are better spent on what rises above it
- * [Karlik19]. panorama.c has the level. False: memory. */
-bool  panorama_set_bright(Panorama *p);
+ * [Karlik19]. panorama.c has the level. Something else may shine before the picture, as the sun
+ * does, of this luminance from this solid angle: *share is its part of what rises (NULL: there is
+ * none). False: memory. */
+bool  panorama_set_bright(Panorama *p, double lum, double angle, float *share);
 void  panorama_clear(Panorama *p);
 Rgb   panorama_at(const Panorama *p, V3 d);
 float panorama_pdf_w(const Panorama *p, V3 d);
