@@ -44,6 +44,11 @@ static void draw_picture(Image *im, uint32_t w, uint32_t h, const Mapping *m, Rg
         }
 }
 
+static void bright_of(Panorama *p, const Image *im, Mapping m)
+{
+    REQUIRE(panorama_init(p, im, m) && panorama_set_bright(p, 0, 0, NULL), "memory");
+}
+
 static void expect_level(const Panorama *p, const char *what)
 {
     const double surface = 0.5 / PI;
@@ -86,7 +91,7 @@ static void level(void)
         Panorama p;
         Image im = { 0 };
         draw_picture(&im, 192, k ? 192 : 96, &mappings[k], sunny);
-        REQUIRE(panorama_init(&p, &im, mappings[k]) && panorama_set_bright(&p, 0, 0, NULL), "memory");
+        bright_of(&p, &im, mappings[k]);
         expect_level(&p, names[k]);
         panorama_clear(&p);
         image_clear(&im);
@@ -111,7 +116,7 @@ static void by_hand(void)
         REQUIRE(image_init(&im, 4, 2), "memory");
         for (uint32_t i = 0; i < 8; i++)
             *image_at(&im, i % 4, i / 4) = rgb_all(cases[k].value[i]);
-        REQUIRE(panorama_init(&p, &im, mappings[1]) && panorama_set_bright(&p, 0, 0, NULL), "memory");
+        bright_of(&p, &im, mappings[1]);
         for (uint32_t i = 0; i < 8; i++) {
             float jacobian, pdf;
             V2 at = { ((float)(i % 4) + 0.4f) / 4, ((float)(i / 4) + 0.4f) / 2 };
@@ -279,7 +284,8 @@ static void noise(void)
         for (int all = 0; all < 2; all++) {
             char method[80];
             Series s;
-            snprintf(method, sizeof method, "%s,sky=%s@random", ways[k % 2], all ? "all" : "bright");
+            snprintf(method, sizeof method, "%s,sky=%s@random", ways[k % 2],
+                     all ? "all" : "bright");
             series_render(&l, &s, method, 32, 4, 930);
             for (uint32_t i = 0; i < s.tiles; i++) {
                 Stat st = { 0, 0, 0, 0, 0 };

@@ -42,8 +42,8 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
       .help = "weights of paths that both ways can make" }
 #define LIGHTING_SKY                                                           \
     { .key = "sky", .type = OPT_CHOICE, .str = "bright", .choices = "bright all", \
-      .help = "pictures of the sky, asked beside as many directions by the surface: for what rises " \
-              "above the even light that those find, or for all" }
+      .help = "skies, asked beside as many directions by the surface: for what rises above the " \
+              "even light that those find, or for all" }
 #define LIGHTING_LIGHTSAMPLER                                                  \
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,  \
       .choices = "auto power uniform contribution", .also = "lightsamplestrategy",  \

@@ -260,6 +260,7 @@ const LightKind light_infinite = {
     .info = { "infinite", "Cline07 4.4.2; Karlik19; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate, .picture = picture
 };

@@ -41,6 +41,8 @@ V3 mapping_direction(const Mapping *m, V2 place, float *jacobian);
 /* For directions that the picture does not show: some place, and jacobian 0. */
 V2 mapping_place(const Mapping *m, V3 d, float *jacobian);
 double mapping_solid_angle(const Mapping *m);           /* of all that the picture shows */
+/* Of the rectangle between z and (x, y, 1): a corner of the window's plane. */
+double mapping_corner(double x, double y);
 
 /* By the options `mapping` and `filename` of a light. auto: what the file calls mapname is latlong,
  * as version 3 of the scene language has it, and so is what is not square; a square is octahedral,

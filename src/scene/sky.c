@@ -363,6 +363,7 @@ static const OptDef options[] = {
 const LightKind light_sky = {
     .info = { "sky", "Preetham99; Kasten66", "a clear sky, its sun and the ground", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate
 };
