@@ -4,6 +4,7 @@
     { "integrator/distributed", 0x1C1618E34148B1CB },
     { "integrator/ao", 0x1F8F508FFDB6313E },
     { "integrator/direct", 0xDE37F437E3DB2122 },
+    { "integrator/light", 0x838072C285671599 },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },
     { "sampler/stratified", 0x93C7D3AC21D43881 },
