@@ -110,21 +110,34 @@ static void many_lights(void)
     table("five spots", "scenes/five-spots.pbrt", &reference, nine, NULL);
 }
 
-/* The best single strategy, the worst, and both together, at their own costs. */
+/* The best single strategy, the worst, and both together, at their own costs; and together with the
+ * sky asked for all of its light, not for its bright parts. */
 static void equal_time(void)
 {
     static const Method reference = { "direct:strategy=mis,lightsamples=4,bsdfsamples=4", 192 };
     static const Method m[] = {
         { "direct:strategy=brdf", 32 }, { "direct:strategy=light", 32 },
-        { "direct:strategy=mis", 16 }, { "direct:strategy=mis,lightsamples=2,bsdfsamples=2", 8 },
+        { "direct:strategy=mis", 16 }, { "direct:strategy=mis,sky=all", 16 },
+        { "direct:strategy=mis,heuristic=balance", 16 },
+        { "direct:strategy=mis,lightsamples=2,bsdfsamples=2", 8 },
         { "direct:strategy=light,lightsampler=contribution", 32 },
         { "direct:strategy=mis,lightsampler=contribution", 16 },
         { "direct:strategy=ris,tentative=16,samples=2", 8 },
         { NULL, 0 }
     };
+    static const Method room[] = {              /* where lamps are, which brdf seldom finds */
+        { "direct:strategy=light", 32 }, { "direct:strategy=mis", 16 },
+        { "direct:strategy=mis,heuristic=balance", 16 }, { NULL, 0 }
+    };
+
     table("plates", "scenes/plates.pbrt", &reference, m, NULL);
     table("probe, glossy", "scenes/floor-glossy.pbrt", &reference, m, NULL);
     table("probe, matt", "scenes/floor-diffuse.pbrt", &reference, m, NULL);
+    table("probe, a hole", "scenes/hare.pbrt", &reference, m, NULL);
+    table("bathroom", "scenes/bathroom.pbrt", &reference, room, NULL);
+    table("bedroom", "scenes/bedroom.pbrt", &reference, room, NULL);
+    table("living-room", "scenes/living-room.pbrt", &reference, room, NULL);
+    table("nine lights", "scenes/nine-lights.pbrt", &reference, room, NULL);
 }
 
 void bench_direct(void)

@@ -21,7 +21,9 @@
 
 typedef struct { const char *options; float nl, ns; bool directions, all; } Weighing;
 
-static void add_lights(Lab *l)
+static Rgb striped(V3 w) { return rgb_all(w.z > 0.6f && w.x > 0 ? 0.9f : 0.1f); }
+
+static void add_lights(Lab *l, bool picture)
 {
     uint32_t black = lab_material(l, "diffuse", "reflectance=0");
 
@@ -30,7 +32,10 @@ static void add_lights(Lab *l)
     lab_shine(l, lab_quad(l, v3(-2, -2, 2), v3(0, 3, 0), v3(3, 0, 0), black), "L=1");
     lab_shine(l, lab_sphere(l, v3(1.2f, 1, 1), 0.5f, black, false), "L=1");
     lab_shine(l, lab_disk(l, v3(-1, 1.5f, 1), v3(0, 0, -1), 0.6f, 0, black), "L=1,twosided=true");
-    lab_light(l, "infinite", "L=0.05", NULL);
+    if (picture)
+        lab_sky(l, 16, 8, striped, NULL);
+    else
+        lab_light(l, "infinite", "L=0.05", NULL);
 }
 
 static float part(const Candidate *c, const Candidate *whole)
@@ -105,7 +110,7 @@ static void partition(void)
         lab_init(&l);
         lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0),
                  lab_material(&l, floors[f][0], floors[f][1]));
-        add_lights(&l);
+        add_lights(&l, f & 1);
         lab_build(&l);
         t.scene = l.scene;
         REQUIRE(vertex_meet(&v, &r, &t), "the floor");
@@ -119,6 +124,7 @@ static void partition(void)
             snprintf(method, sizeof method, "direct:%s", ways[k].options);
             lab_method(&l, method, &o);
             REQUIRE(lighting_init(&it, l.scene, &o, false, ways[k].directions), "lighting");
+            lighting_shares(&it, (int)ways[k].nl, (int)ways[k].ns);
             n = expect_partition(&it, &ways[k], &on, &t, floors[f][0]);
             EXPECT(n > 100, "%s: only %d of 400", floors[f][0], n);
             n = f ? 200 : expect_partition(&it, &ways[k], &within, &t, "a medium");
@@ -201,7 +207,7 @@ static void kept(void)
     lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0),
              lab_material(&l, "phong", "reflectance=0.4/0.3/0.2,specular=0.4,exponent=10"));
     lab_sphere(&l, v3(0.4f, 0.4f, 0.4f), 0.3f, lab_material(&l, "diffuse", ""), false);
-    add_lights(&l);
+    add_lights(&l, false);
     lab_build(&l);
     x.lab = &l;
     x.ray = ray_towards(v3(-1.1f, -0.5f, 0.9f), v3(0.1f, 0.2f, 0));

@@ -274,7 +274,7 @@ static void weights(bool glossy, Method method, int others)
         s.others = others;
         for (uint64_t seed = 0; seed < (method == BY_PATH ? 1000 : 600); seed++)
             one_seed(&l, &s, seed);
-        for (int how = 0; how < (method == BY_ALL ? STRATEGY_EXPLICIT : STRATEGIES); how++)
+        for (int how = 0; how < (method == BY_ALL ? STRATEGY_EXPLICIT : STRATEGY_LENS); how++)
             for (int w = 0; w < LIGHTS; w++)
                 EXPECT(s.count[how][w] >= 5, "%s: only %d paths by way %d", names[w],
                        s.count[how][w], how);

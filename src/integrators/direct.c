@@ -194,6 +194,7 @@ static const OptDef options[] = {
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "directions from each point (uniform, brdf, mis; twostage: to other lights)" },
     LIGHTING_HEURISTIC,
+    LIGHTING_SKY,
     LIGHTING_LIGHTSAMPLER,
     { .key = "lights", .type = OPT_CHOICE, .str = "chosen", .choices = "chosen all ward shirley",
       .help = "asked at each point: one by lightsampler; each; the brightest and a guess at the "

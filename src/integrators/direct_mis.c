@@ -62,6 +62,13 @@ static Rgb mis(const Direct *it, const Turn *u, Tracer *t)
     return light_by(it, u, (float)it->lightsamples, (float)it->bsdfsamples, t);
 }
 
+static bool open_mis(Direct *it, const Opts *o)
+{
+    (void)o;
+    lighting_shares(&it->lighting, it->lightsamples, it->bsdfsamples);
+    return true;
+}
+
 static Rgb brdf(const Direct *it, const Turn *u, Tracer *t)
 {
     return light_by(it, u, 0.0f, (float)it->bsdfsamples, t);
@@ -81,5 +88,5 @@ const DirectStrategy direct_light = {
 };
 const DirectStrategy direct_mis = {
     .name = "mis", .source = "Cline07 4.4.3; Veach97", .help = "both, weighed",
-    .finds_deltas = true, .light = mis
+    .finds_deltas = true, .open = open_mis, .light = mis
 };

@@ -8,6 +8,7 @@ static bool open_ris(Direct *it, const Opts *o)
         return err_usage("direct: strategy=ris has at most %d tentative samples", TENTATIVE_MOST);
     it->resampling = resampling_of((int)opt_int(o, "tentative"), (int)opt_int(o, "samples"),
                                    opt_float(o, "lightshare"));
+    lighting_shares(&it->lighting, it->resampling.by_light, it->resampling.by_scattering);
     return true;
 }
 

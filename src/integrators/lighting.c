@@ -21,6 +21,7 @@ bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
     memset(it, 0, sizeof *it);
     it->scene = s;
     it->power = opt_is(o, "heuristic", "power");
+    it->bright = opt_is(o, "sky", "bright");
     it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
     if (!it->lights)
         return false;
@@ -33,6 +34,11 @@ bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
         return false;
     }
     return true;
+}
+
+void lighting_shares(Lighting *it, int by_light, int by_scattering)
+{
+    it->beside = it->bright && by_light > 0 && by_scattering >= by_light;
 }
 
 void lighting_clear(Lighting *it)
@@ -150,11 +156,11 @@ static float weight_of(const Lighting *it, float own, float other)
 }
 
 /* Density with which a sample by light takes the direction to this point of l. */
-static float light_pdf_w(const Lighting *it, const Turn *u, const Light *l, V3 wi,
-                         const Surface *hit)
+static float pdf_by_light(const Lighting *it, const Turn *u, const Light *l, V3 wi,
+                          const Surface *hit)
 {
     float pmf = it->all ? 1.0f : it->lights->kind->pmf(it->lights, u->p, u->up, l);
-    return pmf > 0.0f ? pmf * l->kind->pdf_w(l, u->p, wi, hit) : 0.0f;
+    return pmf > 0.0f ? pmf * light_pdf_w(l, it->beside, u->p, wi, hit) : 0.0f;
 }
 
 /* The same with all lights along the ray. [Cline07 (4.8)], errata 4.2: a closed light has a term
@@ -166,9 +172,9 @@ static float all_pdf_w(const Lighting *it, const Turn *u, V3 wi)
     Surface s;
 
     while (subset_next(&it->shining, &r, &s))
-        sum += light_pdf_w(it, u, scene_light_of(it->scene, &s), wi, &s);
+        sum += pdf_by_light(it, u, scene_light_of(it->scene, &s), wi, &s);
     for (size_t i = 0; i < it->scene->ninfinite; i++)
-        sum += light_pdf_w(it, u, it->scene->infinite[i], wi, NULL);
+        sum += pdf_by_light(it, u, it->scene->infinite[i], wi, NULL);
     return sum;
 }
 
@@ -181,7 +187,7 @@ static Rgb weighed(const Lighting *it, const Turn *u, const Light *l, V3 wi, con
 
     if (n_light == 0.0f || it->directions || rgb_black(L))
         return L;
-    return rgb_scale(L, weight_of(it, own, n_light * light_pdf_w(it, u, l, wi, hit)));
+    return rgb_scale(L, weight_of(it, own, n_light * pdf_by_light(it, u, l, wi, hit)));
 }
 
 /* By the surface met, or by lights beyond the scene if there is none. */
@@ -294,7 +300,7 @@ bool candidate_of_light(const Lighting *it, const Turn *u, const Light *l, float
     LightSample ls;
     Rgb f_cos;
 
-    if (!l->kind->sample(l, u->p, point, &ls))
+    if (!light_sample(l, it->beside, u->p, point, &ls))
         return false;
     if (it->directions && !l->kind->delta)
         return along_light(it, u, ls.wi, n_light, n_scatter, t, c);

@@ -21,14 +21,18 @@ typedef struct {
     LightSampler *lights;       /* owned */
     Subset        shining;      /* owned: the shapes that do */
     bool power;                 /* power heuristic; else balance */
+    bool bright;                /* lights may be asked for what rises above their even light */
+    bool beside;                /* and are, as the surface's samples find the rest */
     bool all;                   /* every light is asked: none is chosen */
     bool directions;            /* samples are directions, not points of lights */
     bool tentative;             /* rays are cast later: directions are judged by the first lamp
                                  * there, as if there were nothing else */
 } Lighting;
 
-/* By the options `lightsampler` and `heuristic`. False: reported. */
+/* By the options `lightsampler`, `heuristic` and `sky`. False: reported. */
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative, bool directions);
+/* How many samples a turn has, before the first: see light_sample. */
+void lighting_shares(Lighting *it, int by_light, int by_scattering);
 void lighting_clear(Lighting *it);
 /* Warns that the strategy cannot find delta lights, if there are any. False: warnings are fatal. */
 bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
@@ -36,6 +40,10 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
 #define LIGHTING_HEURISTIC                                                     \
     { .key = "heuristic", .type = OPT_CHOICE, .str = "power", .choices = "power balance", \
       .help = "weights of paths that both ways can make" }
+#define LIGHTING_SKY                                                           \
+    { .key = "sky", .type = OPT_CHOICE, .str = "bright", .choices = "bright all", \
+      .help = "skies, asked beside as many directions by the surface: for what rises above the " \
+              "even light that those find, or for all" }
 #define LIGHTING_LIGHTSAMPLER                                                  \
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,  \
       .choices = "auto power uniform contribution", .also = "lightsamplestrategy",  \

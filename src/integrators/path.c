@@ -65,7 +65,7 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
     if (it->ways == EXPLICIT || (it->maps && l == it->two.light))
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
-          l->kind->pdf_w(l, e->p, e->beam.ray.d, hit);
+          light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
     return heuristic(it, e->pdf_w, pdf);
 }
 
@@ -113,8 +113,9 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
                   ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth)) : 0.0f;
     const Light *l = it->lights->kind->pick(it->lights, p, n, u, &pmf, &left);
 
-    if (!l || !l->kind->sample(l, p, sample_2d(&t->sampler,
-                                               DECISION(DECIDE_LIGHT_POINT, e->beam.depth)), ls))
+    if (!l || !light_sample(l, it->lighting.beside, p,
+                            sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
+                            ls))
         return NULL;
     *pdf = pmf * ls->pdf_w;
     return l;
@@ -363,6 +364,10 @@ static Integrator *open_path(const Scene *s, const Opts *o)
     it->resampling = resampling_of((int)opt_int(o, "tentative"), 1, opt_float(o, "lightshare"));
     if (lighting_init(&it->lighting, s, o, it->resamples, false)) {
         it->lights = it->lighting.lights;
+        if (it->resamples)
+            lighting_shares(&it->lighting, it->resampling.by_light, it->resampling.by_scattering);
+        else if (it->ways == MIS)
+            lighting_shares(&it->lighting, 1, 1);
         if (glints_init(&it->glints, s, (int)opt_int(o, "glints"), it->maxdepth) &&
             (it->ways != IMPLICIT || lighting_warn_of_deltas(s, "implicit")) && open_map(it, s, o))
             return &it->base;
@@ -380,6 +385,7 @@ static const OptDef options[] = {
               "many candidates; twostage: asking the sky by its product with the surface, other "
               "lights as mis (all of them, if no picture or constant is beyond the scene)" },
     LIGHTING_HEURISTIC,
+    LIGHTING_SKY,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
     LIGHTING_LIGHTSAMPLER,

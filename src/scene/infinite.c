@@ -1,12 +1,14 @@
 /* infinite.c -- the light `infinite`: radiance from all directions, constant or by a picture of
  * them.
  *
- * Source      [Cline07 4.4.2, 5.2.1]; mappings of pictures: panorama.h.
+ * Source      [Cline07 4.4.2, 5.2.1], [Karlik19]; mappings of pictures: panorama.h.
  * Sampling    Cells of the picture in proportion to luminance times solid angle, by inverting its
  *             sums or by the alias method [Cline07 4.4.2]; or regions of like light [Debevec05],
  *             and a place in each. Without jitter that place is the region's middle and stands for
  *             all of it: shadows have as many edges as there are regions, and the picture is
- *             biased. Constant skies uniformly over the sphere. */
+ *             biased. Constant skies uniformly over the sphere.
+ * Beside      directions by the surface: cells by what rises above an even level, see panorama.h
+ *             and [Karlik19]. Only where sums are inverted. */
 #include "sampling/warp.h"
 #include "scene/panorama.h"
 
@@ -72,7 +74,8 @@ static bool prepare(Light *base, const Scene *s)
 
     l->stage = stage_of(s);
     if (l->image && (!panorama_init(&l->picture, l->image, l->mapping) ||
-                     !panorama_set_way(&l->picture, l->way, l->cuts)))
+                     !panorama_set_way(&l->picture, l->way, l->cuts) ||
+                     (l->way == PANORAMA_CDF && !panorama_set_bright(&l->picture, 0.0, 0.0, NULL))))
         return false;
     if (l->image && l->illuminance > 0.0f)
         up = panorama_upward(&l->picture);
@@ -89,7 +92,7 @@ static void clear(Light *base)
 }
 
 /* A direction towards the light, its density and the radiance from there. */
-static bool draw(const Infinite *l, V2 u, V3 *wi, float *pdf, Rgb *L)
+static bool draw(const Infinite *l, bool bright, V2 u, V3 *wi, float *pdf, Rgb *L)
 {
     Rgb value;
     V3 d;
@@ -100,7 +103,8 @@ static bool draw(const Infinite *l, V2 u, V3 *wi, float *pdf, Rgb *L)
         *pdf = warp_sphere_pdf();
         return true;
     }
-    if (!panorama_sample(&l->picture, u, &d, pdf, &value))
+    if (!(bright ? panorama_bright_sample(&l->picture, u, &d, pdf, &value)
+                 : panorama_sample(&l->picture, u, &d, pdf, &value)))
         return false;
     *wi = v_unit(affine_vector(&l->to_world, d));
     *L = rgb_mul(l->L, value);
@@ -112,7 +116,7 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     (void)from;
     s->dist = INFINITY;
     s->p = s->err = s->n = v_all(0.0f);
-    return draw((const Infinite *)base, u, &s->wi, &s->pdf_w, &s->L);
+    return draw((const Infinite *)base, false, u, &s->wi, &s->pdf_w, &s->L);
 }
 
 static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
@@ -123,6 +127,27 @@ static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
     (void)hit;
     return l->image ? panorama_pdf_w(&l->picture, affine_vector(&l->to_light, wi))
                     : warp_sphere_pdf();
+}
+
+/* Pictures that are sampled by cells have a table of their bright parts. */
+static bool has_bright(const Infinite *l) { return l->image && l->way == PANORAMA_CDF; }
+
+static bool sample_beside(const Light *base, V3 from, V2 u, LightSample *s)
+{
+    const Infinite *l = (const Infinite *)base;
+
+    (void)from;
+    s->dist = INFINITY;
+    s->p = s->err = s->n = v_all(0.0f);
+    return draw(l, has_bright(l), u, &s->wi, &s->pdf_w, &s->L);
+}
+
+static float pdf_beside(const Light *base, V3 from, V3 wi, const Surface *hit)
+{
+    const Infinite *l = (const Infinite *)base;
+
+    return has_bright(l) ? panorama_bright_pdf_w(&l->picture, affine_vector(&l->to_light, wi))
+                         : pdf_w(base, from, wi, hit);
 }
 
 static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
@@ -140,7 +165,7 @@ static bool emit(const Light *base, V2 u, V2 v, Emission *e)
     const Infinite *l = (const Infinite *)base;
     V3 wi;
 
-    if (!draw(l, v, &wi, &e->pdf_w, &e->L))
+    if (!draw(l, false, v, &wi, &e->pdf_w, &e->L))
         return false;
     emit_from_beyond(&l->stage, v_neg(wi), u, e);
     return true;
@@ -232,9 +257,10 @@ static const OptDef options[] = {
 };
 
 const LightKind light_infinite = {
-    .info = { "infinite", "Cline07 4.4.2; Clarberg08; Debevec98",
+    .info = { "infinite", "Cline07 4.4.2; Karlik19; Clarberg08; Debevec98",
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate, .picture = picture
 };

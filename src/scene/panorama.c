@@ -1,189 +1,10 @@
-/* panorama.c -- pictures whose places are directions. See panorama.h. */
+/* panorama.c -- pictures whose places are directions: their light, and samples of it. See
+ * panorama.h; mapping.c has the mappings. */
 #include "scene/panorama.h"
 
 #include "base/mem.h"
 
 #include <string.h>
-
-/* ---- latitude and longitude ---- */
-
-static float latlong_jacobian(float sine) { return 2.0f * PI_F * PI_F * sine; }
-
-static V3 latlong_direction(V2 p, float *jacobian)
-{
-    float sn, cs, st, ct;
-
-    m_sincos_turn(p.x, &sn, &cs);
-    m_sincos_turn(0.5f * p.y, &st, &ct);
-    *jacobian = latlong_jacobian(st);
-    return v3(st * cs, st * sn, ct);
-}
-
-static V2 latlong_place(V3 d, float *jacobian)
-{
-    float phi = m_atan2(d.y, d.x), sine = sqrtf(d.x * d.x + d.y * d.y);
-
-    *jacobian = latlong_jacobian(sine);
-    return (V2){ (phi < 0.0f ? phi + 2.0f * PI_F : phi) * (0.5f * INV_PI),
-                 m_atan2(sine, d.z) * INV_PI };
-}
-
-/* ---- the folded square ---- */
-
-/* Within the diamond |x| + |y| = r is the ring 1 - z = r^2, whose area is that of the diamond's
- * rim; along it the azimuth is linear. The corners beyond are the lower half, folded outwards. */
-static V3 octahedral_direction(V2 p, float *jacobian)
-{
-    float x = 2.0f * p.x - 1.0f, y = 2.0f * p.y - 1.0f, ax = fabsf(x), ay = fabsf(y);
-    float inside = 1.0f - (ax + ay), r = 1.0f - fabsf(inside), sn, cs, sine;
-    float turn = r > 0.0f ? 0.125f * ((ay - ax) / r + 1.0f) : 0.125f;   /* 0 to 1/4 */
-
-    *jacobian = 4.0f * PI_F;
-    m_sincos_turn(turn, &sn, &cs);
-    sine = r * sqrtf(2.0f - r * r);
-    return v3(copysignf(cs * sine, x), copysignf(sn * sine, y), copysignf(1.0f - r * r, inside));
-}
-
-static V2 octahedral_place(V3 d, float *jacobian)
-{
-    float x = fabsf(d.x), y = fabsf(d.y);
-    float r = sqrtf((x * x + y * y) / (1.0f + fabsf(d.z)));     /* sqrt(1 - |z|), exactly */
-    float v = r * (m_atan2(y, x) * (2.0f * INV_PI)), u = r - v;
-
-    *jacobian = 4.0f * PI_F;
-    if (d.z < 0.0f) {
-        float fold = 1.0f - v;
-        v = 1.0f - u;
-        u = fold;
-    }
-    return (V2){ 0.5f * (copysignf(u, d.x) + 1.0f), 0.5f * (copysignf(v, d.y) + 1.0f) };
-}
-
-/* ---- balls ---- */
-
-/* sin(pi r) / r. */
-static float sine_over(float sine, float r) { return r > 0.0f ? sine / r : PI_F; }
-
-static V3 ball_direction(MappingKind kind, V2 p, float *jacobian)
-{
-    float x = 2.0f * p.x - 1.0f, y = 1.0f - 2.0f * p.y, r2 = x * x + y * y, scale, c;
-
-    if (!(r2 <= 1.0f)) {
-        *jacobian = 0.0f;
-        return v3(1, 0, 0);
-    }
-    if (kind == MAPPING_MIRRORBALL) {           /* sine and cosine of 2 asin(r), over r */
-        scale = 2.0f * sqrtf(1.0f - r2);
-        c = 1.0f - 2.0f * r2;
-        *jacobian = 16.0f;
-    } else {
-        float r = sqrtf(r2), sine;
-        m_sincos_turn(0.5f * r, &sine, &c);
-        scale = sine_over(sine, r);
-        *jacobian = 4.0f * PI_F * scale;
-    }
-    return v3(-c, scale * x, scale * y);
-}
-
-static V2 ball_place(MappingKind kind, V3 d, float *jacobian)
-{
-    float s2 = d.y * d.y + d.z * d.z, scale;
-
-    if (kind == MAPPING_MIRRORBALL) {           /* r / sine = 1 / sqrt(2 (1 + cosine)) */
-        float one = d.x > 0.0f ? s2 / (1.0f + d.x) : 1.0f - d.x;
-        scale = one > 0.0f ? 1.0f / sqrtf(2.0f * one) : 0.0f;
-        *jacobian = 16.0f;
-    } else {
-        float sine = sqrtf(s2), r = m_atan2(sine, -d.x) * INV_PI;
-        scale = 1.0f / sine_over(sine, r);
-        scale = is_finite(scale) ? scale : 0.0f;
-        *jacobian = 4.0f * PI_F * sine_over(sine, r);
-    }
-    return (V2){ 0.5f * (1.0f + scale * d.y), 0.5f * (1.0f - scale * d.z) };
-}
-
-/* ---- a window ---- */
-
-static V3 window_direction(const Mapping *m, V2 p, float *jacobian)
-{
-    V3 w = v3((2.0f * p.x - 1.0f) * m->half_x, (2.0f * p.y - 1.0f) * m->half_y, 1.0f);
-    float c = 1.0f / v_len(w);
-
-    *jacobian = 4.0f * m->half_x * m->half_y * c * c * c;
-    return v_scale(w, c);
-}
-
-static V2 window_place(const Mapping *m, V3 d, float *jacobian)
-{
-    V2 p = { -1.0f, -1.0f };
-
-    *jacobian = 0.0f;
-    if (!(d.z > 0.0f))
-        return p;
-    p.x = 0.5f * (d.x / (d.z * m->half_x) + 1.0f);
-    p.y = 0.5f * (d.y / (d.z * m->half_y) + 1.0f);
-    if (p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f)
-        *jacobian = 4.0f * m->half_x * m->half_y * d.z * d.z * d.z;
-    return p;
-}
-
-/* ---- any ---- */
-
-V3 mapping_direction(const Mapping *m, V2 place, float *jacobian)
-{
-    switch (m->kind) {
-    case MAPPING_LATLONG:    break;
-    case MAPPING_OCTAHEDRAL: return octahedral_direction(place, jacobian);
-    case MAPPING_ANGULAR:
-    case MAPPING_MIRRORBALL: return ball_direction(m->kind, place, jacobian);
-    case MAPPING_WINDOW:     return window_direction(m, place, jacobian);
-    }
-    return latlong_direction(place, jacobian);
-}
-
-V2 mapping_place(const Mapping *m, V3 d, float *jacobian)
-{
-    V2 p = { 0, 0 };
-
-    *jacobian = 0.0f;
-    switch (m->kind) {
-    case MAPPING_LATLONG:    p = latlong_place(d, jacobian); break;
-    case MAPPING_OCTAHEDRAL: p = octahedral_place(d, jacobian); break;
-    case MAPPING_ANGULAR:
-    case MAPPING_MIRRORBALL: p = ball_place(m->kind, d, jacobian); break;
-    case MAPPING_WINDOW:     p = window_place(m, d, jacobian); break;
-    }
-    return (V2){ f_min(f_max(p.x, 0.0f), ONE_MINUS_ULP), f_min(f_max(p.y, 0.0f), ONE_MINUS_ULP) };
-}
-
-/* Solid angle of the rectangle between z and (x, y, 1): of a corner of the window's plane. */
-static double corner(double x, double y)
-{
-    return md_atan2(x * y, sqrt(1.0 + x * x + y * y));
-}
-
-double mapping_solid_angle(const Mapping *m)
-{
-    return m->kind == MAPPING_WINDOW ? 4.0 * corner(m->half_x, m->half_y) : 4.0 * PI;
-}
-
-Mapping mapping_option(const Opts *o, const Image *image)
-{
-    const Param *file = opt_param(o, "filename");
-    bool old = file && !strcmp(file->name, "mapname");
-    Mapping m = { MAPPING_LATLONG, 0, 0 };
-
-    if (opt_is(o, "mapping", "octahedral") ||
-        (opt_is(o, "mapping", "auto") && !old && image->w == image->h))
-        m.kind = MAPPING_OCTAHEDRAL;
-    else if (opt_is(o, "mapping", "angular"))
-        m.kind = MAPPING_ANGULAR;
-    else if (opt_is(o, "mapping", "mirrorball"))
-        m.kind = MAPPING_MIRRORBALL;
-    return m;
-}
-
-/* ---- pictures ---- */
 
 static uint32_t width(const Panorama *p) { return p->image ? p->image->w : 1; }
 static uint32_t height(const Panorama *p) { return p->image ? p->image->h : 1; }
@@ -238,7 +59,8 @@ static double cell_measure(const Panorama *p, uint32_t x, uint32_t y)
         r = (2.0 * (x + 1.0) / w - 1.0) * m->half_x;
         t = (2.0 * y / h - 1.0) * m->half_y;
         b = (2.0 * (y + 1.0) / h - 1.0) * m->half_y;
-        return d_max(0.0, corner(r, b) - corner(l, b) - corner(r, t) + corner(l, t));
+        return d_max(0.0, mapping_corner(r, b) - mapping_corner(l, b) -
+                          mapping_corner(r, t) + mapping_corner(l, t));
     }
     return md_sin(PI * (y + 0.5) / h);
 }
@@ -348,9 +170,63 @@ bool panorama_set_way(Panorama *p, PanoramaWay way, int cuts)
     return ok;
 }
 
+/* Where samples of the surface are as many, they find directions of the hemisphere with a density
+ * of 1/2 pi in the mean over all orientations of a surface. Those of the picture are to add what is
+ * wanting: both together in proportion to the light L, up from a level l below which the surface
+ * finds enough. A density of (L - l) / Z, where Z is the integral of max(0, L - l), plus 1/2 pi is
+ * proportional to L if l = Z / 2 pi. In sums over the cells above the level, W of their light and M
+ * of their solid angle, A of all: Z = W - l M and 2 pi = A / 2, so l = 2 W / (A + 2 M). From l = 0
+ * this climbs to the solution, which is Newton's method: the fewer the cells above, the less it
+ * moves. [Karlik19] subtracts the mean. */
+static double even_level(const float *weight, const float *measure, size_t n, double all,
+                         double lum, double angle)
+{
+    enum { STEPS_MOST = 32 };   /* of 4 to 8 on pictures of the sky; any level is unbiased */
+    double level = 0.0, last = -1.0;
+
+    for (int k = 0; k < STEPS_MOST && level > last; k++) {
+        double above = lum > level ? angle : 0.0, light = lum * above;
+        for (size_t i = 0; i < n; i++)
+            if (weight[i] > level * measure[i]) {
+                light += weight[i];
+                above += measure[i];
+            }
+        last = level;
+        level = all > 0.0 ? 2.0 * light / (all + 2.0 * above) : 0.0;
+    }
+    return last;
+}
+
+bool panorama_set_bright(Panorama *p, double lum, double angle, float *share)
+{
+    size_t n = (size_t)width(p) * height(p);
+    float *weight = weights_of(p), *measure = MEM_ARRAY(float, n);
+    bool ok = weight && measure;
+    double all = 0.0, level, rest = 0.0, other;
+
+    for (size_t i = 0; ok && i < n; i++) {
+        measure[i] = (float)cell_measure(p, (uint32_t)(i % width(p)), (uint32_t)(i / width(p)));
+        all += measure[i];
+    }
+    angle *= all / (4.0 * PI);                  /* in the unit of cells */
+    level = ok ? even_level(weight, measure, n, all, lum, angle) : 0.0;
+    for (size_t i = 0; ok && i < n; i++) {
+        weight[i] = (float)d_max(0.0, weight[i] - level * measure[i]);
+        rest += weight[i];
+    }
+    other = d_max(0.0, lum - level) * angle;
+    if (share)
+        *share = other > 0.0 ? (float)(other / (other + rest)) : 0.0f;
+    ok = ok && table2_init(&p->bright, weight, width(p), height(p));
+    mem_free(weight);
+    mem_free(measure);
+    return ok;
+}
+
 void panorama_clear(Panorama *p)
 {
     table2_clear(&p->table);
+    table2_clear(&p->bright);
     alias_clear(&p->alias);
     mediancut_clear(&p->cut);
     mem_free(p->region);
@@ -390,6 +266,13 @@ float panorama_pdf_w(const Panorama *p, V3 d)
     return jacobian > 0.0f ? place_pdf(p, q) / jacobian : 0.0f;
 }
 
+float panorama_bright_pdf_w(const Panorama *p, V3 d)
+{
+    float jacobian;
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+    return jacobian > 0.0f ? table2_pdf(&p->bright, q) / jacobian : 0.0f;
+}
+
 /* The cell takes both numbers, as one of 48 bits; what they still hold is cut in two for the place
  * in the cell, of 12 bits a side. Neighbours in u are none in the picture: strata are lost. */
 static bool place_by_alias(const Panorama *p, V2 u, V2 *q, float *pdf)
@@ -418,21 +301,47 @@ static bool place_sample(const Panorama *p, V2 u, V2 *q, float *pdf)
     return table2_sample(&p->table, u, q, pdf);
 }
 
-bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+/* The direction of a place that was drawn with density pdf. */
+static bool direction_of(const Panorama *p, V2 q, float pdf, V3 *d, float *pdf_w)
 {
-    float pdf, jacobian;
-    V2 q;
+    float jacobian;
 
-    if (!place_sample(p, u, &q, &pdf))
-        return false;
     *d = mapping_direction(&p->mapping, q, &jacobian);
     if (!(jacobian > 0.0f))
         return false;
     *pdf_w = pdf / jacobian;
-    *value = p->way == PANORAMA_FIXED
-                 ? rgb_scale(p->region[mediancut_find(&p->cut, q)], 1.0f / jacobian)
-                 : lookup(p, q);
     return *pdf_w > 0.0f;
+}
+
+/* Of PANORAMA_FIXED: the light of the region of a place, as radiance there. */
+static Rgb region_light(const Panorama *p, V2 q)
+{
+    float jacobian;
+
+    mapping_direction(&p->mapping, q, &jacobian);
+    return rgb_scale(p->region[mediancut_find(&p->cut, q)], 1.0f / jacobian);
+}
+
+bool panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+{
+    float pdf;
+    V2 q;
+
+    if (!place_sample(p, u, &q, &pdf) || !direction_of(p, q, pdf, d, pdf_w))
+        return false;
+    *value = p->way == PANORAMA_FIXED ? region_light(p, q) : lookup(p, q);
+    return true;
+}
+
+bool panorama_bright_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value)
+{
+    float pdf;
+    V2 q;
+
+    if (!table2_sample(&p->bright, u, &q, &pdf) || !direction_of(p, q, pdf, d, pdf_w))
+        return false;
+    *value = lookup(p, q);
+    return true;
 }
 
 /* By points, at least 128 along each side: cells of small pictures hold several. */

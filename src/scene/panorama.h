@@ -41,6 +41,8 @@ V3 mapping_direction(const Mapping *m, V2 place, float *jacobian);
 /* For directions that the picture does not show: some place, and jacobian 0. */
 V2 mapping_place(const Mapping *m, V3 d, float *jacobian);
 double mapping_solid_angle(const Mapping *m);           /* of all that the picture shows */
+/* Of the rectangle between z and (x, y, 1): a corner of the window's plane. */
+double mapping_corner(double x, double y);
 
 /* By the options `mapping` and `filename` of a light. auto: what the file calls mapname is latlong,
  * as version 3 of the scene language has it, and so is what is not square; a square is octahedral,
@@ -62,6 +64,7 @@ typedef struct {
     Rgb       *region;          /* owned; of PANORAMA_FIXED: light of each over its area */
     const Image *image;         /* borrowed; NULL: white, and the picture is one cell */
     Table2 table;               /* owned */
+    Table2 bright;              /* owned; empty, or the same of what is above an even level */
     Rgb    mean;                /* over the solid angle */
     V3     moment;              /* mean of luminance times direction */
 } Panorama;
@@ -71,10 +74,19 @@ bool  panorama_init(Panorama *p, const Image *image, Mapping m);        /* false
  * has the same density; that of regions is even within each; and PANORAMA_FIXED gives only their
  * middles, with the light of the whole region: biased. False: memory. */
 bool  panorama_set_way(Panorama *p, PanoramaWay way, int cuts);
+/* Makes the second table, for samples that stand beside as many directions by the surface: the even
+ * light of the picture is found by those, so these are better spent on what rises above it
+ * [Karlik19]. panorama.c has the level. Something else may shine before the picture, as the sun
+ * does, of this luminance from this solid angle: *share is its part of what rises (NULL: there is
+ * none). False: memory. */
+bool  panorama_set_bright(Panorama *p, double lum, double angle, float *share);
 void  panorama_clear(Panorama *p);
 Rgb   panorama_at(const Panorama *p, V3 d);
 float panorama_pdf_w(const Panorama *p, V3 d);
 bool  panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
+/* The same by the second table, if it was made: directions of little light have density 0. */
+float panorama_bright_pdf_w(const Panorama *p, V3 d);
+bool  panorama_bright_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
 /* A guess at the irradiance on a surface that looks along n, by luminance; n 0: from all round. The
  * first two bands of spherical harmonics: pi mean + 2 pi moment.n [Ramamoorthi01], but at least a
  * twentieth of what a uniform picture gave. */

@@ -140,6 +140,11 @@ typedef struct {
     bool (*sample)(const Light *l, V3 from, V2 u, LightSample *s);
     /* Density of `sample` at direction wi; hit: the light's surface met there (area lights). */
     float (*pdf_w)(const Light *l, V3 from, V3 wi, const Surface *hit);
+    /* The same two for samples that stand beside as many directions by the surface, each weighed by
+     * the densities of both: they need not find what those find as well. See light_sample. NULL:
+     * no different. */
+    bool (*sample_beside)(const Light *l, V3 from, V2 u, LightSample *s);
+    float (*pdf_beside)(const Light *l, V3 from, V3 wi, const Surface *hit);
     /* Radiance that the light sends along -wi; hit as above. 0 for delta lights. */
     Rgb (*radiance)(const Light *l, V3 wi, const Surface *hit);
     /* Sends a particle: u decides about the place, v about the direction. False: none this time,
@@ -173,6 +178,19 @@ INLINE Surface surface_at(V3 p, V3 err, V3 front, V2 uv)
     s.ng = s.ns = front;
     s.uv = uv;
     return s;
+}
+
+/* A direction towards the light, and the density of that; `beside`: as many directions go by the
+ * surface, and whoever asks weighs both. */
+INLINE bool light_sample(const Light *l, bool beside, V3 from, V2 u, LightSample *s)
+{
+    return beside && l->kind->sample_beside ? l->kind->sample_beside(l, from, u, s)
+                                            : l->kind->sample(l, from, u, s);
+}
+INLINE float light_pdf_w(const Light *l, bool beside, V3 from, V3 wi, const Surface *hit)
+{
+    return beside && l->kind->pdf_beside ? l->kind->pdf_beside(l, from, wi, hit)
+                                         : l->kind->pdf_w(l, from, wi, hit);
 }
 
 /* What the light would bring a matt surface at p that looks along n, with nothing in between: a

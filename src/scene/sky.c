@@ -13,7 +13,8 @@
  *             uniform disc without a corona of its own: the sky's model has that.
  * Sampling    The sun's cone, or a picture of sky and ground by luminance, as their light falls
  *             upon a sphere. The density is that of both together, wherever a direction comes
- *             from. Radiance is computed, not looked up: no cell shows. */
+ *             from. Radiance is computed, not looked up: no cell shows. Beside directions by the
+ *             surface, what rises above an even level counts, see panorama.h and [Karlik19]. */
 #include "sampling/warp.h"
 #include "scene/panorama.h"
 
@@ -48,7 +49,8 @@ typedef struct {
     Rgb    sun_L;               /* radiance of the disc */
     float  height;              /* 1 - cos of its half angle */
     Rgb    ground;              /* radiance from below */
-    float  sun_share;           /* of the samples */
+    float  sun_share;           /* of the samples, */
+    float  bright_share;        /* and of those of what rises above an even level */
     Image  own;                 /* owned: sky and ground by cell */
     Panorama cells;             /* owned */
 } Sky;
@@ -169,7 +171,9 @@ static bool draw_cells(Sky *l, Rgb albedo)
     for (uint32_t y = CELLS_Y / 2; y < CELLS_Y; y++)
         for (uint32_t x = 0; x < CELLS_X; x++)
             *image_at(&l->own, x, y) = l->ground;
-    if (!panorama_init(&l->cells, &l->own, latlong)) {
+    if (!panorama_init(&l->cells, &l->own, latlong) ||
+        !panorama_set_bright(&l->cells, rgb_lum(l->sun_L), turn, &l->bright_share)) {
+        panorama_clear(&l->cells);
         image_clear(&l->own);
         return false;
     }
@@ -218,50 +222,81 @@ static void clear(Light *base)
 
 /* ---- as a light ---- */
 
-/* Density of `draw` at direction d of the light's frame. */
-static float density(const Sky *l, V3 d)
+static float share_of_sun(const Sky *l, bool bright)
 {
-    float pdf = (1.0f - l->sun_share) * panorama_pdf_w(&l->cells, d);
-    return in_sun(l, d) ? pdf + l->sun_share * warp_cone_pdf(l->height) : pdf;
+    return bright ? l->bright_share : l->sun_share;
 }
 
-/* A direction of the world towards the light. */
-static bool draw(const Sky *l, V2 u, V3 *wi, float *pdf, Rgb *L)
+/* Density of `draw` at direction d of the light's frame. */
+static float density(const Sky *l, bool bright, V3 d)
 {
+    float share = share_of_sun(l, bright);
+    float pdf = (1.0f - share) * (bright ? panorama_bright_pdf_w(&l->cells, d)
+                                         : panorama_pdf_w(&l->cells, d));
+    return in_sun(l, d) ? pdf + share * warp_cone_pdf(l->height) : pdf;
+}
+
+/* A direction of the world towards the light; bright: by what rises above an even level. */
+static bool draw(const Sky *l, bool bright, V2 u, V3 *wi, float *pdf, Rgb *L)
+{
+    float share = share_of_sun(l, bright);
     Frame axis;
     Rgb value;
     V3 d;
 
-    if (u.x < l->sun_share) {
-        u.x = f_min(u.x / l->sun_share, ONE_MINUS_ULP);
+    if (u.x < share) {
+        u.x = f_min(u.x / share, ONE_MINUS_ULP);
         axis = frame_about(l->sun);
         d = v_unit(frame_out(&axis, warp_cone(u, l->height)));
     } else {
-        u.x = f_min((u.x - l->sun_share) / (1.0f - l->sun_share), ONE_MINUS_ULP);
-        if (!panorama_sample(&l->cells, u, &d, pdf, &value))
+        u.x = f_min((u.x - share) / (1.0f - share), ONE_MINUS_ULP);
+        if (!(bright ? panorama_bright_sample(&l->cells, u, &d, pdf, &value)
+                     : panorama_sample(&l->cells, u, &d, pdf, &value)))
             return false;
     }
     *wi = v_unit(affine_vector(&l->to_world, d));
-    *pdf = density(l, d);
+    *pdf = density(l, bright, d);
     *L = light_from(l, d);
     return *pdf > 0.0f && !rgb_black(*L);
+}
+
+static bool sample_by(const Light *base, bool bright, V2 u, LightSample *s)
+{
+    s->dist = INFINITY;
+    s->p = s->err = s->n = v_all(0.0f);
+    return draw((const Sky *)base, bright, u, &s->wi, &s->pdf_w, &s->L);
 }
 
 static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     (void)from;
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
-    return draw((const Sky *)base, u, &s->wi, &s->pdf_w, &s->L);
+    return sample_by(base, false, u, s);
+}
+
+static bool sample_beside(const Light *base, V3 from, V2 u, LightSample *s)
+{
+    (void)from;
+    return sample_by(base, true, u, s);
+}
+
+static float pdf_by(const Light *base, bool bright, V3 wi)
+{
+    const Sky *l = (const Sky *)base;
+    return density(l, bright, v_unit(affine_vector(&l->to_light, wi)));
 }
 
 static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
 {
-    const Sky *l = (const Sky *)base;
-
     (void)from;
     (void)hit;
-    return density(l, v_unit(affine_vector(&l->to_light, wi)));
+    return pdf_by(base, false, wi);
+}
+
+static float pdf_beside(const Light *base, V3 from, V3 wi, const Surface *hit)
+{
+    (void)from;
+    (void)hit;
+    return pdf_by(base, true, wi);
 }
 
 static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
@@ -277,7 +312,7 @@ static bool emit(const Light *base, V2 u, V2 v, Emission *e)
     const Sky *l = (const Sky *)base;
     V3 wi;
 
-    if (!draw(l, v, &wi, &e->pdf_w, &e->L))
+    if (!draw(l, false, v, &wi, &e->pdf_w, &e->L))
         return false;
     emit_from_beyond(&l->stage, v_neg(wi), u, e);
     return true;
@@ -328,6 +363,7 @@ static const OptDef options[] = {
 const LightKind light_sky = {
     .info = { "sky", "Preetham99; Kasten66", "a clear sky, its sun and the ground", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
-    .pdf_w = pdf_w, .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
+    .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
+    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate
 };
