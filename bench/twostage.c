@@ -188,7 +188,7 @@ static void slopes(void)
         Image ref = { 0 };
         int n = snprintf(text, sizeof text, ball, here, figure_5_8[k].material);
         if (!file_write(scene, text, (size_t)n) ||
-            !bench_render(scene, "direct:strategy=twostage,samples=16384,splits=480", NULL, 64, 1,
+            !bench_render(scene, "direct:strategy=twostage,samples=4096,splits=480", NULL, 64, 4,
                           processors(), 99, &ref, &report))
             return;
         slope_of(scene, figure_5_8[k].name, "direct:strategy=twostage,samples=%d", &ref,
@@ -239,6 +239,10 @@ void bench_twostage(void)
     slopes();
     table_5_1("scenes/floor-diffuse.pbrt", "printed: BRDF 0.300, light 0.038, two stage 0.030");
     table_5_1("scenes/floor-glossy.pbrt", "printed: BRDF 0.243, light 0.206, two stage 0.041");
+}
+
+void bench_twostage_cost(void)
+{
     cost("scenes/statue.pbrt");
     cost("scenes/hare.pbrt");
     cost("scenes/floor-glossy.pbrt");
