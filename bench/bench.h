@@ -19,7 +19,8 @@ void bench_direct(void);        /* figure 4.10 of the document, many lights, equ
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
 void bench_bias(void);          /* what says that it is biased: by how much */
-void bench_twostage(void);      /* chapter 5: cost, figures 5.8 and 5.9, table 5.1 */
+void bench_twostage(void);      /* chapter 5: figure 5.8, table 5.1 */
+void bench_twostage_cost(void); /* what partitions cost beside the rays that they serve */
 void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */

@@ -15,7 +15,8 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "arity", bench_arity }, { "adaptive", bench_adaptive }, { "zoneplate", bench_zoneplate },
     { "jitter", bench_jitter },
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
-    { "direct", bench_direct }, { "twostage", bench_twostage }, { "triple", bench_triple },
+    { "direct", bench_direct }, { "twostage", bench_twostage },
+    { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
 };
 

@@ -149,8 +149,9 @@ static bool error_of(const char *scene, const char *integrator, uint32_t side, u
     return ok;
 }
 
-static void slope_of(const char *scene, const char *name, const char *way, const Image *ref,
-                     const char *printed)
+/* `way` wants the number of samples, or half of it, twice. */
+static void slope_of(const char *scene, const char *name, const char *way, int ways,
+                     const Image *ref, const char *printed)
 {
     enum { FIRST = 3, STEPS = 6 };              /* 8 .. 256 samples */
     double x[STEPS], y[STEPS], sx = 0, sy = 0, sxx = 0, sxy = 0, seconds;
@@ -159,7 +160,7 @@ static void slope_of(const char *scene, const char *name, const char *way, const
     printf("fig5.8\t%s\t%-40s\t", name, way);
     for (int i = 0; i < STEPS; i++) {
         int n = 1 << (FIRST + i);
-        snprintf(text, sizeof text, way, n, n / 2, n / 2);
+        snprintf(text, sizeof text, way, n / ways, n / ways);
         if (!error_of(scene, text, 64, 1, 5, ref, &y[i], &seconds))
             return;
         printf("%.4f ", y[i]);
@@ -178,6 +179,13 @@ static void slope_of(const char *scene, const char *name, const char *way, const
 
 static void slopes(void)
 {
+    static const struct { const char *text; int ways; const char *note; } way[] = {
+        { "direct:strategy=twostage,samples=%d,splits=%d", 1, "" },
+        { "direct:strategy=twostage,samples=%d", 1, "splits by default: fewer from 32 samples on" },
+        { "direct:strategy=twostage,peaks=sampled,samples=%d,splits=%d", 1,
+          "printed: sampled peaks equal, better from more samples on, worse" },
+        { "direct:lightsamples=%d,bsdfsamples=%d", 2, "" },
+    };
     char scene[64], here[512], text[2048];
 
     snprintf(scene, sizeof scene, "/tmp/rushlight-bench-%ld.pbrt", (long)getpid());
@@ -188,15 +196,12 @@ static void slopes(void)
         Image ref = { 0 };
         int n = snprintf(text, sizeof text, ball, here, figure_5_8[k].material);
         if (!file_write(scene, text, (size_t)n) ||
-            !bench_render(scene, "direct:strategy=twostage,samples=16384,splits=480", NULL, 64, 1,
+            !bench_render(scene, "direct:strategy=twostage,samples=4096,splits=480", NULL, 64, 4,
                           processors(), 99, &ref, &report))
             return;
-        slope_of(scene, figure_5_8[k].name, "direct:strategy=twostage,samples=%d", &ref,
-                 figure_5_8[k].printed);
-        slope_of(scene, figure_5_8[k].name, "direct:strategy=twostage,peaks=sampled,samples=%d",
-                 &ref, "printed: sampled peaks equal, better from more samples on, worse");
-        slope_of(scene, figure_5_8[k].name,
-                 "direct:samples=%d,lightsamples=%d,bsdfsamples=%d", &ref, "");
+        for (size_t i = 0; i < sizeof way / sizeof *way; i++)
+            slope_of(scene, figure_5_8[k].name, way[i].text, way[i].ways, &ref,
+                     i ? way[i].note : figure_5_8[k].printed);
         image_clear(&ref);
     }
     unlink(scene);
@@ -239,6 +244,10 @@ void bench_twostage(void)
     slopes();
     table_5_1("scenes/floor-diffuse.pbrt", "printed: BRDF 0.300, light 0.038, two stage 0.030");
     table_5_1("scenes/floor-glossy.pbrt", "printed: BRDF 0.243, light 0.206, two stage 0.041");
+}
+
+void bench_twostage_cost(void)
+{
     cost("scenes/statue.pbrt");
     cost("scenes/hare.pbrt");
     cost("scenes/floor-glossy.pbrt");

@@ -195,6 +195,26 @@ static void sincos_turn(void)
     EXPECT(s < 0.0f && s > -1e-6f && c == 1.0f, "1 - ulp: %a %a", (double)s, (double)c);
 }
 
+/* Many at once are the same bits, wherever a vector may end. */
+static void sincos_turns(void)
+{
+    enum { N = 100 };
+    float u[N], s[N], c[N];
+
+    for (int i = 0; i < N; i++)
+        u[i] = (float)(i * 7919 - 300000) * 0x1.3p-17f;
+    for (int n = 1; n <= N; n += n < 40 ? 1 : 20) {
+        int wrong = 0;
+        m_sincos_turns(u, s, c, n);
+        for (int i = 0; i < n; i++) {
+            float one_s, one_c;
+            m_sincos_turn(u[i], &one_s, &one_c);
+            wrong += memcmp(&s[i], &one_s, sizeof one_s) || memcmp(&c[i], &one_c, sizeof one_c);
+        }
+        EXPECT(!wrong, "%d of %d differ", wrong, n);
+    }
+}
+
 /* ---- two arguments ---- */
 
 static void power(void)
@@ -420,6 +440,7 @@ const TestCase test_maths[] = {
     { "far", far, false },
     { "sincos", sincos, false },
     { "sincos_turn", sincos_turn, false },
+    { "sincos_turns", sincos_turns, false },
     { "power", power, false },
     { "arc_tangent", arc_tangent, false },
     { "special_floats", special_floats, false },

@@ -9,6 +9,7 @@
 #include "test/physics.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* ---- skies ---- */
 
@@ -124,15 +125,19 @@ static void expect_tiles(const Partition *p, const Lobe *l, const char *what)
     const PartitionNode *root = &p->node[0];
     uint32_t w = p->map->w, h = p->map->h;
     unsigned char *seen = MEM_ARRAY(unsigned char, (size_t)w * h);
-    double sum = 0;
-    int wrong = 0, strange = 0;
+    double sum = 0, parts = 0;
+    int wrong = 0, strange = 0, strange_parts = 0;
 
     for (int i = 0; i < p->n; i++) {
         const PartitionNode *r = &p->node[i];
+        const PartitionPart *q = &p->part[i];
         V3 c[4] = { skymap_corner(p->map, r->x0, r->y0), skymap_corner(p->map, r->x1, r->y0),
                     skymap_corner(p->map, r->x0, r->y1), skymap_corner(p->map, r->x1, r->y1) };
         if (r->child)
             continue;
+        parts += (q->end[0] - q->at[0]) * (q->end[1] - q->at[1]);
+        strange_parts += !(fabs((q->end[0] - q->at[0]) * (q->end[1] - q->at[1]) -
+                                r->weight / root->weight) < 1e-12);
         EXPECT(r->x0 < r->x1 && r->y0 < r->y1, "%s: an empty leaf", what);
         sum += r->weight;
         for (int k = 0; k < 4; k++)
@@ -147,6 +152,8 @@ static void expect_tiles(const Partition *p, const Lobe *l, const char *what)
     EXPECT(wrong == 0, "%s: %d cells are not in exactly one leaf", what, wrong);
     EXPECT(strange == 0, "%s: %d corners have another f", what, strange);
     EXPECT(fabs(sum - root->weight) < 1e-9 * root->weight, "%s: weights", what);
+    EXPECT(strange_parts == 0 && fabs(parts - 1) < 1e-9, "%s: of the unit square %d leaves have "
+           "not what their weight is, all together %.12g", what, strange_parts, parts);
     mem_free(seen);
 }
 
@@ -232,6 +239,41 @@ static void back(void)
         }
 }
 
+/* Points that go side by side come where each would come alone, to the last bit, whatever their
+ * number. */
+static void together(void)
+{
+    enum { MOST = 75 };
+    static Partition p;
+
+    for (int k = 0; k < NSKIES; k++) {
+        Lobe l = lobe_about(normals[6], 300.0f, 0.8f);
+        PartitionSample many[MOST], one;
+        V2 u[MOST];
+        Setting s;
+        Rng rng;
+        sky_make(&s, &skies[k], NULL);
+        rng = rng_seed(15 + (uint64_t)k * 16u);
+        REQUIRE(grow(&p, &s.map, &l, 40), "%s", skies[k].name);
+        for (int i = 0; i < MOST; i++) {
+            u[i].x = rng_unit(&rng);
+            u[i].y = rng_unit(&rng);
+        }
+        for (int n = 1; n <= MOST; n += n < 40 ? 1 : 7) {
+            int wrong = 0;
+            partition_warp_many(&p, u, many, n);
+            for (int i = 0; i < n; i++) {
+                partition_warp(&p, u[i], &one);
+                wrong += memcmp(&one.wi, &many[i].wi, sizeof one.wi) ||
+                         memcmp(&one.pdf_w, &many[i].pdf_w, sizeof one.pdf_w) ||
+                         memcmp(&one.place, &many[i].place, sizeof one.place);
+            }
+            EXPECT(!wrong, "%s: %d of %d differ", skies[k].name, wrong, n);
+        }
+        sky_clear(&s);
+    }
+}
+
 /* A broad lobe about z, and another that no corner sees. [errata 5.3] */
 static float two_lobes(const void *of, V3 wi)
 {
@@ -298,6 +340,6 @@ static void converges(void)
 
 const TestCase test_partition[] = {
     { "sums", sums, false }, { "tiles", tiles, false }, { "draws", draws, false },
-    { "back", back, false }, { "unseen", unseen, false },
+    { "back", back, false }, { "together", together, false }, { "unseen", unseen, false },
     { "converges", converges, false }, { NULL, NULL, false }
 };

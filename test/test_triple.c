@@ -281,7 +281,8 @@ static Looks looks_of(Lab *l, const char *method, uint32_t spp)
     return r;
 }
 
-/* What is believed and not looked at is wrong, but not by much; dimmed light is lost. */
+/* What is believed and not looked at is wrong, but not by much; dimming brings no light. It takes
+ * about a thousandth here, which is less than the noise of these means, a quarter of a percent. */
 static void biased(void)
 {
     Looks truth, preimage, world, dim;
@@ -297,7 +298,8 @@ static void biased(void)
     dim = looks_of(&l, "direct:strategy=triple,samples=32,lazy=true,dim=true,spacing=32", 8);
     EXPECT(fabs(preimage.mean / truth.mean - 1) < 0.2, "preimage: %g", preimage.mean / truth.mean);
     EXPECT(fabs(world.mean / truth.mean - 1) < 0.1, "world: %g", world.mean / truth.mean);
-    EXPECT(dim.mean < truth.mean && dim.mean > 0.8 * truth.mean, "dim: %g", dim.mean / truth.mean);
+    EXPECT(dim.mean < 1.01 * truth.mean && dim.mean > 0.8 * truth.mean,
+           "dim: %g", dim.mean / truth.mean);
     lab_clear(&l);
 }
 

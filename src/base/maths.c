@@ -141,13 +141,21 @@ static void turn(uint32_t quadrant, float s, float c, float *out_s, float *out_c
     *out_c = float_of(b);
 }
 
-void m_sincos_turn(float u, float *s, float *c)
+static inline void sincos_turn(float u, float *s, float *c)
 {
     uint32_t quadrant;
     double quarters = 4.0 * u, r;
 
     r = (quarters - nearest(quarters, &quadrant)) * PI_2;
     turn(quadrant, (float)sin_brief(r), (float)cos_brief(r), s, c);
+}
+
+void m_sincos_turn(float u, float *s, float *c) { sincos_turn(u, s, c); }
+
+void m_sincos_turns(const float *u, float *s, float *c, int n)
+{
+    for (int i = 0; i < n; i++)
+        sincos_turn(u[i], &s[i], &c[i]);
 }
 
 void m_sincos(float x, float *s, float *c)

@@ -23,6 +23,7 @@ float m_cos(float x);
 void  m_sincos(float x, float *s, float *c);
 /* Of 2 pi u for |u| < 2^20, canonical numbers above all: the reduction is exact. */
 void  m_sincos_turn(float u, float *s, float *c);
+void  m_sincos_turns(const float *u, float *s, float *c, int n);        /* the same of n */
 float m_tan(float x);
 float m_asin(float x);
 float m_acos(float x);

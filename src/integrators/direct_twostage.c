@@ -11,6 +11,7 @@
 #include "integrators/direct_twostage.h"
 
 #include "base/mem.h"
+#include "sampling/pattern.h"
 
 /* ---- the sky and the rest ---- */
 
@@ -36,16 +37,6 @@ Rgb skyrest_others(const SkyAndRest *own, const Turn *u, Tracer *t)
     return own->two.any ? direct_mis.light(&own->rest, u, t) : rgb_all(0.0f);
 }
 
-/* The digits of i in base two, mirrored: in 24 bits, as canonical numbers are. */
-static float mirrored(uint32_t i)
-{
-    float x = 0.0f, place = 0.5f;
-
-    for (; i && place > 0x1p-25f; i >>= 1, place *= 0.5f)
-        x += (float)(i & 1) * place;
-    return x;
-}
-
 static float moved(float x, float by)
 {
     x += by;
@@ -54,7 +45,7 @@ static float moved(float x, float by)
 
 V2 hammersley_moved(uint32_t i, uint32_t n, V2 by)
 {
-    return (V2){ moved((float)i / (float)n, by.x), moved(mirrored(i), by.y) };
+    return (V2){ moved((float)i / (float)n, by.x), moved(unit_of(reverse_bits(i)), by.y) };
 }
 
 /* ---- the strategy ---- */

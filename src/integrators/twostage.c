@@ -115,11 +115,22 @@ static int sampled_peaks(const Turn *u, int samples, Tracer *t, V3 peak[TRIES])
     return n;
 }
 
+/* The source splits as often as there are samples. Half as often costs what it saves where nothing
+ * is in shadow, and less than that where shadows make most of the noise; see `make bench
+ * T=twostage`. Few samples want all. */
+static int splits_for(int samples)
+{
+    enum { ALL = 16 };
+    return samples <= ALL ? samples : samples / 2 > ALL ? samples / 2 : ALL;
+}
+
 bool twostage_partition(const TwoStage *it, const Turn *u, int samples, Tracer *t, Partition *p)
 {
     V3 peak[TRIES];
-    PartitionOrder o = { factor, u, u->up, peak, 0, peak, 0, it->splits ? it->splits : samples };
+    PartitionOrder o = { factor, u, u->up, peak, 0, peak, 0, it->splits };
 
+    if (!o.splits)
+        o.splits = splits_for(samples);
     if (it->sampled)
         o.tries = sampled_peaks(u, samples, t, peak);
     else

@@ -16,7 +16,7 @@ typedef struct {
     bool     any;               /* there are other lights */
     bool     lamps;             /* and some of them can be met by chance */
     Lighting others;            /* owned; of `rest` */
-    int      splits;            /* of a partition; 0: as many as samples */
+    int      splits;            /* of a partition; 0: by the number of samples */
     bool     sampled;           /* peaks are found by sampling the surface */
 } TwoStage;
 
@@ -28,7 +28,7 @@ void twostage_clear(TwoStage *it);
 #define TWOSTAGE_SPLITS(least)                                                 \
     { .key = "splits", .type = OPT_INT, .num = least, .lo = 0, .hi = PARTITION_LEAVES, \
       .help = "twostage: rectangles of the sky are split so often where the product is worst " \
-              "known; 0: as often as it is sampled" }
+              "known; 0: half as often as it is sampled, up to 16 samples once for each" }
 #define TWOSTAGE_PEAKS                                                         \
     { .key = "peaks", .type = OPT_CHOICE, .str = "known", .choices = "known sampled",  \
       .help = "twostage: where rectangles are split first: at peaks that the surface's model " \

@@ -2,6 +2,7 @@
 #include "lightsampling/partition.h"
 
 enum { KEY_LEAVES = 1023 };     /* PARTITION_NODES and more, all ones */
+enum { STRIDE = 16 };           /* keys that are compared at once */
 
 /* f and where it comes from, while the tree grows. */
 typedef struct { Partition *p; const SkyMap *m; const PartitionOrder *o; } Growth;
@@ -18,16 +19,12 @@ static float f_at(const Growth *g, uint32_t x, uint32_t y)
 }
 
 /* Share in the standard deviation of f over the corners, times light and area. [Cline07 (5.3)] */
-static float potential_of(const PartitionNode *r)
+INLINE float potential_of(float f0, float f1, float f2, float f3, double sum, float cells)
 {
-    float w = (float)(r->x1 - r->x0), h = (float)(r->y1 - r->y0);
-    float mean = 0.25f * ((r->f[0] + r->f[1]) + (r->f[2] + r->f[3]));
-    float s = (f_sqr(r->f[0] - mean) + f_sqr(r->f[1] - mean)) +
-              (f_sqr(r->f[2] - mean) + f_sqr(r->f[3] - mean));
+    float mean = 0.25f * ((f0 + f1) + (f2 + f3));
+    float s = (f_sqr(f0 - mean) + f_sqr(f1 - mean)) + (f_sqr(f2 - mean) + f_sqr(f3 - mean));
 
-    if (w * h <= 1.0f)
-        return 0.0f;
-    return 0.5f * sqrtf(s) * (float)r->sum * (w * h);
+    return cells > 1.0f ? 0.5f * sqrtf(s) * (float)sum * cells : 0.0f;
 }
 
 /* As a whole number: floats that are not negative go by their bits. The last of them give way to
@@ -40,14 +37,13 @@ static uint32_t key_of(int i, float potential)
     return potential > 0.0f ? (bits & ~(uint32_t)KEY_LEAVES) | (uint32_t)i : 0;
 }
 
-static void finish_leaf(Growth *g, int i, double sum)
+/* All values are handed over, not read back from the node. */
+INLINE void put_leaf(Partition *p, int i, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1,
+                     float f0, float f1, float f2, float f3, double sum)
 {
-    PartitionNode *r = &g->p->node[i];
-
-    r->child = 0;
-    r->by_x = false;
-    r->sum = sum;
-    g->p->key[i] = key_of(i, potential_of(r));
+    p->node[i] = (PartitionNode){ .x0 = (uint16_t)x0, .y0 = (uint16_t)y0, .x1 = (uint16_t)x1,
+                                  .y1 = (uint16_t)y1, .f = { f0, f1, f2, f3 }, .sum = sum };
+    p->key[i] = key_of(i, potential_of(f0, f1, f2, f3, sum, (float)((x1 - x0) * (y1 - y0))));
 }
 
 /* The leaf that holds a cell of the root. */
@@ -62,41 +58,43 @@ static int leaf_of(const Partition *p, uint32_t x, uint32_t y)
     return i;
 }
 
+/* Two more nodes, the children of leaf i. Keys come by the STRIDE, of which the last ones are 0. */
+INLINE void put_fork(Partition *p, int i, bool by_x, uint32_t at)
+{
+    p->node[i].by_x = by_x;
+    p->node[i].split = (uint16_t)at;
+    p->node[i].child = (uint16_t)p->n;
+    p->key[i] = 0;
+    if ((p->n + 1) % STRIDE == 0)
+        memset(&p->key[p->n + 1], 0, STRIDE * sizeof p->key[0]);
+    p->n += 2;
+}
+
 /* Splits leaf i before column `at`, of which f at the upper and lower end is given. */
 static void split_x(Growth *g, int i, uint32_t at, float upper, float lower)
 {
-    Partition *p = g->p;
-    PartitionNode *r = &p->node[i], *a = &p->node[p->n], *b = a + 1;
-    double left = skymap_sum(g->m, r->x0, r->y0, at, r->y1);
+    const PartitionNode *r = &g->p->node[i];
+    uint32_t x0 = r->x0, x1 = r->x1, y0 = r->y0, y1 = r->y1;
+    float f0 = r->f[0], f1 = r->f[1], f2 = r->f[2], f3 = r->f[3];
+    double left = skymap_sum(g->m, x0, y0, at, y1), right = d_max(0.0, r->sum - left);
+    int n = g->p->n;
 
-    *a = *b = *r;
-    a->x1 = b->x0 = r->split = (uint16_t)at;
-    a->f[1] = b->f[0] = upper;
-    a->f[3] = b->f[2] = lower;
-    r->by_x = true;
-    r->child = (uint16_t)p->n;
-    p->key[i] = 0;
-    finish_leaf(g, p->n, left);
-    finish_leaf(g, p->n + 1, d_max(0.0, r->sum - left));
-    p->n += 2;
+    put_fork(g->p, i, true, at);
+    put_leaf(g->p, n, x0, y0, at, y1, f0, upper, f2, lower, left);
+    put_leaf(g->p, n + 1, at, y0, x1, y1, upper, f1, lower, f3, right);
 }
 
 static void split_y(Growth *g, int i, uint32_t at, float left, float right)
 {
-    Partition *p = g->p;
-    PartitionNode *r = &p->node[i], *a = &p->node[p->n], *b = a + 1;
-    double upper = skymap_sum(g->m, r->x0, r->y0, r->x1, at);
+    const PartitionNode *r = &g->p->node[i];
+    uint32_t x0 = r->x0, x1 = r->x1, y0 = r->y0, y1 = r->y1;
+    float f0 = r->f[0], f1 = r->f[1], f2 = r->f[2], f3 = r->f[3];
+    double upper = skymap_sum(g->m, x0, y0, x1, at), lower = d_max(0.0, r->sum - upper);
+    int n = g->p->n;
 
-    *a = *b = *r;
-    a->y1 = b->y0 = r->split = (uint16_t)at;
-    a->f[2] = b->f[0] = left;
-    a->f[3] = b->f[1] = right;
-    r->by_x = false;
-    r->child = (uint16_t)p->n;
-    p->key[i] = 0;
-    finish_leaf(g, p->n, upper);
-    finish_leaf(g, p->n + 1, d_max(0.0, r->sum - upper));
-    p->n += 2;
+    put_fork(g->p, i, false, at);
+    put_leaf(g->p, n, x0, y0, x1, at, f0, f1, left, right, upper);
+    put_leaf(g->p, n + 1, x0, at, x1, y1, left, right, f2, f3, lower);
 }
 
 static bool is_full(const Growth *g) { return g->p->n + 2 > PARTITION_NODES; }
@@ -196,20 +194,20 @@ static void nearest_corner(const SkyMap *m, V3 wi, uint32_t *x, uint32_t *y)
 static void plant(Growth *g, V3 up)
 {
     const SkyMap *m = g->m;
-    PartitionNode *r = &g->p->node[0];
     bool half = v_len2(up) > 0.0f;
     float jacobian, y = half ? skymap_place(m, up, &jacobian).y * (float)m->h : 0.0f;
     float reach = 0.5f * (float)m->h + 0.001f;          /* beyond what y is rounded by */
-    uint32_t xn, yn;
+    uint32_t xn, yn, y0, y1;
+    float upper, lower;
 
+    y0 = half && y > reach ? (uint32_t)(y - reach) : 0;
+    y1 = half && y + reach < (float)m->h ? (uint32_t)(y + reach + 1.0f) : m->h;
+    upper = f_at(g, 0, y0);
+    lower = f_at(g, 0, y1);
+    memset(g->p->key, 0, STRIDE * sizeof g->p->key[0]);
+    put_leaf(g->p, 0, 0, y0, m->w, y1, upper, upper, lower, lower,
+             skymap_sum(m, 0, y0, m->w, y1));
     g->p->n = 1;
-    r->x0 = 0;
-    r->x1 = (uint16_t)m->w;
-    r->y0 = half && y > reach ? (uint16_t)(y - reach) : 0;
-    r->y1 = half && y + reach < (float)m->h ? (uint16_t)(y + reach + 1.0f) : (uint16_t)m->h;
-    r->f[0] = r->f[1] = f_at(g, 0, r->y0);
-    r->f[2] = r->f[3] = f_at(g, 0, r->y1);
-    finish_leaf(g, 0, skymap_sum(m, 0, r->y0, m->w, r->y1));
     if (half) {
         nearest_corner(m, up, &xn, &yn);
         divide_at(g, xn, yn);
@@ -254,11 +252,12 @@ static void divide_by_potential(Growth *g)
 {
     const Partition *p = g->p;
 
-    for (int k = 0; k < g->o->splits && !is_full(g); k++) {
+    for (int s = 0; s < g->o->splits && !is_full(g); s++) {
         uint32_t most = 0;
         int best;
-        for (int i = 0; i < p->n; i++)
-            most = most > p->key[i] ? most : p->key[i];
+        for (int i = 0; i < p->n; i += STRIDE)
+            for (int k = i; k < i + STRIDE; k++)
+                most = most > p->key[k] ? most : p->key[k];
         if (!most)
             return;
         best = (int)(most & KEY_LEAVES);
@@ -272,6 +271,28 @@ static void divide_by_potential(Growth *g)
 static double mean_f(const PartitionNode *r)
 {
     return 0.25 * (((double)r->f[0] + r->f[1]) + ((double)r->f[2] + r->f[3]));
+}
+
+/* The unit square cut as the tree is, by weight [Cline07 fig. 5.13]: along x for columns, along y
+ * for rows. Whoever has no weight has no part of it, to the last bit. errata 5.2 */
+static void lay_out(Partition *p)
+{
+    p->part[0] = (PartitionPart){ { 0.0, 0.0 }, { 1.0, 1.0 } };
+    for (int i = 0; i < p->n; i++) {                    /* parents stand before their children */
+        const PartitionNode *r = &p->node[i], *a = &p->node[r->child];
+        PartitionPart q = p->part[i];
+        int k = !r->by_x;
+        double share, cut;
+        if (!r->child) {
+            p->fork[i] = (PartitionFork){ 2.0, (uint16_t)i, 0 };
+            continue;
+        }
+        share = r->weight > 0.0 ? a->weight / r->weight : 1.0;
+        cut = share < 1.0 ? d_min(q.at[k] + (q.end[k] - q.at[k]) * share, q.end[k]) : q.end[k];
+        p->fork[i] = (PartitionFork){ cut, r->child, (uint16_t)k };
+        p->part[r->child] = p->part[r->child + 1] = q;
+        p->part[r->child].end[k] = p->part[r->child + 1].at[k] = cut;
+    }
 }
 
 /* Weights [Cline07 (5.5)] without the floor, then with it: f that gives its share to the map. */
@@ -300,6 +321,7 @@ static bool weigh(Partition *p)
             r->f[k] = f_max(r->f[k], p->floor);
         r->weight = r->sum * mean_f(r);
     }
+    lay_out(p);
     return p->node[0].weight > 0.0;
 }
 

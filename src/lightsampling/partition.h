@@ -12,7 +12,7 @@
  *             what partition_pdf_w says, but for roundings of wi into the next cell.
  * Positive    f counts as at least what gives PARTITION_FLOOR of the samples to the map alone: no
  *             direction from which light comes within the root has density 0 (errata 5.3).
- * Memory      All of it stands in the Partition, about 60 kB, of which only what is used is
+ * Memory      All of it stands in the Partition, about 110 kB, of which only what is used is
  *             written: on the stack, or one for each thread. */
 #ifndef LIGHTSAMPLING_PARTITION_H
 #define LIGHTSAMPLING_PARTITION_H
@@ -32,12 +32,20 @@ typedef struct {
     double weight;              /* (5.5) */
 } PartitionNode;
 
+typedef struct { double at[2], end[2]; } PartitionPart;         /* of the unit square */
+
+/* The same node for points on their way down: its second child takes them from `cut` on. A leaf
+ * has itself for the first child, and no point is beyond its cut. */
+typedef struct { double cut; uint16_t first; uint16_t by_y; } PartitionFork;
+
 typedef struct {
     const SkyMap *map;          /* borrowed */
     float floor;                /* least f, see above */
     int   n;                    /* nodes; node[0] is the root */
     PartitionNode node[PARTITION_NODES];
-    uint32_t key[PARTITION_NODES];      /* of leaves by potential (5.3); of others 0 */
+    PartitionFork fork[PARTITION_NODES];
+    PartitionPart part[PARTITION_NODES];        /* that is warped to the node */
+    uint32_t key[PARTITION_NODES + 1];  /* of leaves by potential (5.3); of others 0 */
 } Partition;
 
 /* What a partition is made for. Directions are unit, of the world. */

@@ -1,25 +1,30 @@
 /* partition_warp.c -- stage two: points of the unit square down a partition to directions, and
  * back. See partition.h.
  *
- * Departs     The source halves parts of a leaf along the longer side. Here they are cut along both
- *             at once, and several points go side by side. */
+ * Departs     The source takes points down the tree by numbers made canonical again at each step;
+ *             here the tree has cut the unit square beforehand. The source halves parts of a leaf
+ *             along the longer side; here they are cut along both at once, and several points go
+ *             side by side. */
 #include "lightsampling/partition.h"
 
-/* Points on their way, and the part of a leaf that each is in. Steps are the same for all, without
- * branches, so that a compiler can do several at once and the processor need not guess which half
- * it will be. */
-enum { TOGETHER = 8 };
+/* Points on their way. Steps are the same for all, without branches, so that a compiler can do
+ * several at once and the processor need not guess which half it will be. */
+enum { SIDE_BY_SIDE = 8, TOGETHER = 32 };
 
+/* And the part of a leaf that each is in. */
 typedef struct {
     double u[2][TOGETHER];              /* the point, canonical within its part */
     double probability[TOGETHER];       /* of the part */
+    double f00[TOGETHER], f10[TOGETHER], f01[TOGETHER], f11[TOGETHER]; /* f at its corners */
+    double s00[TOGETHER], s10[TOGETHER], s01[TOGETHER], s11[TOGETHER]; /* and of the table */
     int64_t x0[TOGETHER], x1[TOGETHER], y0[TOGETHER], y1[TOGETHER];
-    double f00[TOGETHER], f10[TOGETHER], f01[TOGETHER], f11[TOGETHER];     /* f at its corners */
-    double s00[TOGETHER], s10[TOGETHER], s01[TOGETHER], s11[TOGETHER];     /* and of the table */
-    int64_t x[TOGETHER], y[TOGETHER];   /* where it is cut */
-    double top[TOGETHER], end[TOGETHER], left[TOGETHER], right[TOGETHER];  /* of the table there */
-    double middle[TOGETHER];
 } Falls;
+
+/* Where the parts are cut, and the table there. */
+typedef struct {
+    int64_t x[TOGETHER], y[TOGETHER];
+    double top[TOGETHER], end[TOGETHER], left[TOGETHER], right[TOGETHER], middle[TOGETHER];
+} Cuts;
 
 static void start_in(Falls *p, int i, const SkyMap *m, const PartitionNode *r, double probability)
 {
@@ -43,24 +48,32 @@ static void start_in(Falls *p, int i, const SkyMap *m, const PartitionNode *r, d
 
 /* Middles, rounded up: of a single cell the cut is its far edge, and all of it in the first half.
  * False: all parts are cells. */
-INLINE bool look_up(Falls *p, const SkyMap *m, int n)
+INLINE bool look_up(const Falls *p, Cuts *c, const SkyMap *m, int n)
 {
-    size_t pitch = m->w + 1;
-    int64_t more = 0;
+    int64_t top[TOGETHER], end[TOGETHER], left[TOGETHER], right[TOGETHER], middle[TOGETHER];
+    int64_t pitch = (int64_t)m->w + 1, more = 0;
 
     for (int i = 0; i < n; i++) {
-        const double *row;
-        p->x[i] = (p->x0[i] + p->x1[i] + 1) / 2;
-        p->y[i] = (p->y0[i] + p->y1[i] + 1) / 2;
-        more |= (p->x1[i] - p->x[i]) | (p->y1[i] - p->y[i]);
-        row = m->sum + (size_t)p->y[i] * pitch;
-        p->top[i] = m->sum[(size_t)p->y0[i] * pitch + (size_t)p->x[i]];
-        p->end[i] = m->sum[(size_t)p->y1[i] * pitch + (size_t)p->x[i]];
-        p->left[i] = row[p->x0[i]];
-        p->right[i] = row[p->x1[i]];
-        p->middle[i] = row[p->x[i]];
+        int64_t x = (p->x0[i] + p->x1[i] + 1) / 2, y = (p->y0[i] + p->y1[i] + 1) / 2;
+        c->x[i] = x;
+        c->y[i] = y;
+        top[i] = p->y0[i] * pitch + x;
+        end[i] = p->y1[i] * pitch + x;
+        middle[i] = y * pitch + x;
+        left[i] = y * pitch + p->x0[i];
+        right[i] = y * pitch + p->x1[i];
+        more |= (p->x1[i] - x) | (p->y1[i] - y);
     }
-    return more != 0;
+    if (!more)
+        return false;
+    for (int i = 0; i < n; i++) {
+        c->top[i] = m->sum[top[i]];
+        c->end[i] = m->sum[end[i]];
+        c->middle[i] = m->sum[middle[i]];
+        c->left[i] = m->sum[left[i]];
+        c->right[i] = m->sum[right[i]];
+    }
+    return true;
 }
 
 /* Which of two a canonical number falls on; it becomes canonical again, within that: at most
@@ -79,16 +92,19 @@ INLINE bool falls_second(double *u, double first, double all)
  * each side is known better. f on the cut is half of both ends, also where cells do not divide
  * evenly; if there is but one, the cut is its far edge. All quarters count their part of the light,
  * of which the table's roundings may leave none: then the first takes all. towards NULL: the way
- * goes by the point; else to that cell, and corner and side of the part's preimage are noted. */
+ * goes by the point; else to that cell, and corner and side of the part's preimage are noted. What
+ * comes out is not written over what goes in, for the vectors' sake. */
 typedef struct { int64_t x, y; double at[2], side[2]; } Aim;
 
-INLINE void step(Falls *p, int i, Aim *towards)
+INLINE void step(const Falls *p, const Cuts *cut, Falls *to, int i,
+                 Aim *towards)
 {
     double f00 = p->f00[i], f10 = p->f10[i], f01 = p->f01[i], f11 = p->f11[i];
     double s00 = p->s00[i], s10 = p->s10[i], s01 = p->s01[i], s11 = p->s11[i];
-    double top = p->top[i], end = p->end[i], left = p->left[i], right = p->right[i];
-    double middle = p->middle[i];
-    double by_x = p->x[i] == p->x1[i] ? 1.0 : 0.5, by_y = p->y[i] == p->y1[i] ? 1.0 : 0.5;
+    double top = cut->top[i], end = cut->end[i], left = cut->left[i], right = cut->right[i];
+    double middle = cut->middle[i], u = p->u[0][i], v = p->u[1][i];
+    int64_t x = cut->x[i], y = cut->y[i];
+    double by_x = x == p->x1[i] ? 1.0 : 0.5, by_y = y == p->y1[i] ? 1.0 : 0.5;
     double f_top = f00 + by_x * (f10 - f00), f_end = f01 + by_x * (f11 - f01);
     double f_left = f00 + by_y * (f01 - f00), f_right = f10 + by_y * (f11 - f10);
     double f = f_top + by_y * (f_end - f_top);
@@ -100,10 +116,10 @@ INLINE void step(Falls *p, int i, Aim *towards)
     double first = w00 + none + w01, all = first + (w10 + w11), upper, column;
     bool b, c;                          /* right, lower */
 
-    b = towards ? towards->x >= p->x[i] : falls_second(&p->u[0][i], first, all);
+    b = towards ? towards->x >= x : falls_second(&u, first, all);
     upper = b ? w10 : w00 + none;
     column = upper + (b ? w11 : w01);
-    c = towards ? towards->y >= p->y[i] : falls_second(&p->u[1][i], upper, column);
+    c = towards ? towards->y >= y : falls_second(&v, upper, column);
     if (towards) {
         double of_row = column > 0.0 ? upper / column : 1.0;
         towards->at[0] += b ? towards->side[0] * (first / all) : 0.0;
@@ -111,19 +127,21 @@ INLINE void step(Falls *p, int i, Aim *towards)
         towards->side[0] *= (b ? all - first : first) / all;
         towards->side[1] *= c ? 1.0 - of_row : of_row;
     }
-    p->probability[i] *= (c ? column - upper : upper) / all;
-    p->f00[i] = c ? (b ? f : f_left) : b ? f_top : f00;
-    p->f10[i] = c ? (b ? f_right : f) : b ? f10 : f_top;
-    p->f01[i] = c ? (b ? f_end : f01) : b ? f : f_left;
-    p->f11[i] = c ? (b ? f11 : f_end) : b ? f_right : f;
-    p->s00[i] = c ? (b ? middle : left) : b ? top : s00;
-    p->s10[i] = c ? (b ? right : middle) : b ? s10 : top;
-    p->s01[i] = c ? (b ? end : s01) : b ? middle : left;
-    p->s11[i] = c ? (b ? s11 : end) : b ? right : middle;
-    p->x0[i] = b ? p->x[i] : p->x0[i];
-    p->x1[i] = b ? p->x1[i] : p->x[i];
-    p->y0[i] = c ? p->y[i] : p->y0[i];
-    p->y1[i] = c ? p->y1[i] : p->y[i];
+    to->u[0][i] = u;
+    to->u[1][i] = v;
+    to->probability[i] = p->probability[i] * ((c ? column - upper : upper) / all);
+    to->f00[i] = c ? (b ? f : f_left) : b ? f_top : f00;
+    to->f10[i] = c ? (b ? f_right : f) : b ? f10 : f_top;
+    to->f01[i] = c ? (b ? f_end : f01) : b ? f : f_left;
+    to->f11[i] = c ? (b ? f11 : f_end) : b ? f_right : f;
+    to->s00[i] = c ? (b ? middle : left) : b ? top : s00;
+    to->s10[i] = c ? (b ? right : middle) : b ? s10 : top;
+    to->s01[i] = c ? (b ? end : s01) : b ? middle : left;
+    to->s11[i] = c ? (b ? s11 : end) : b ? right : middle;
+    to->x0[i] = b ? x : p->x0[i];
+    to->x1[i] = b ? p->x1[i] : x;
+    to->y0[i] = c ? y : p->y0[i];
+    to->y1[i] = c ? p->y1[i] : y;
 }
 
 /* Density per solid angle of a cell that is drawn with this probability. */
@@ -132,71 +150,111 @@ static float cell_pdf_w(const SkyMap *m, double probability, float jacobian)
     return jacobian > 0.0f ? (float)(probability * ((double)m->w * m->h) / (double)jacobian) : 0.0f;
 }
 
-static float place_in(uint32_t cell, double rest, uint32_t n)
+/* To the next float up or down if rounding left the cell. */
+INLINE float place_in(uint32_t cell, double rest, double n, double cells)
 {
-    float x = (float)((cell + rest) / n);
-    uint32_t k = (uint32_t)((double)x * n);
+    float x = (float)((cell + rest) * n);
+    uint32_t k = (uint32_t)((double)x * cells);
     return x >= 1.0f || k > cell ? x - 0x1p-24f : k < cell ? x + 0x1p-24f : x;
 }
 
-/* To the leaves [Cline07 fig. 5.13]. Who is there waits for the others: all of it is in the first
- * of its children, itself. */
-INLINE void fall_to_leaves(const Partition *p, Falls *f, int lanes)
+/* To the leaves [Cline07 fig. 5.13]. Who is there waits for the others. */
+INLINE void fall_to_leaves(const Partition *p, const V2 *u, Falls *f, int from, int lanes)
 {
-    double first[TOGETHER], all[TOGETHER];
-    int64_t node[TOGETHER] = { 0 }, child[TOGETHER], by_y[TOGETHER];
-
-    for (;;) {
-        int more = 0;
-        for (int i = 0; i < lanes; i++) {
-            const PartitionNode *r = &p->node[node[i]];
-            more |= r->child;
-            child[i] = r->child ? r->child : node[i];
-            by_y[i] = !r->by_x;
-            first[i] = p->node[child[i]].weight;
-            all[i] = r->weight;
-        }
-        if (!more)
-            break;
-        for (int i = 0; i < lanes; i++) {
-            double u = by_y[i] ? f->u[1][i] : f->u[0][i];
-            node[i] = child[i] + falls_second(&u, first[i], all[i]);
-            f->u[0][i] = by_y[i] ? f->u[0][i] : u;
-            f->u[1][i] = by_y[i] ? u : f->u[1][i];
-        }
-    }
-    for (int i = 0; i < lanes; i++)
-        start_in(f, i, p->map, &p->node[node[i]], all[i] / p->node[0].weight);
-}
-
-INLINE void fall(const Partition *p, const V2 *u, PartitionSample *out, int n, int lanes)
-{
-    const SkyMap *m = p->map;
-    float jacobian;
-    Falls f;
+    double at[2][SIDE_BY_SIDE];
+    uint32_t node[SIDE_BY_SIDE] = { 0 };
+    int more;
 
     for (int i = 0; i < lanes; i++) {
-        f.u[0][i] = (double)u[i < n ? i : 0].x;
-        f.u[1][i] = (double)u[i < n ? i : 0].y;
+        at[0][i] = (double)u[i].x;
+        at[1][i] = (double)u[i].y;
     }
-    fall_to_leaves(p, &f, lanes);
-    while (look_up(&f, m, lanes))
-        for (int i = 0; i < lanes; i++)
-            step(&f, i, NULL);
-    for (int i = 0; i < n; i++) {
-        out[i].place = (V2){ place_in((uint32_t)f.x0[i], f.u[0][i], m->w),
-                             place_in((uint32_t)f.y0[i], f.u[1][i], m->h) };
-        out[i].wi = v_unit(skymap_direction(m, out[i].place, &jacobian));
-        out[i].pdf_w = cell_pdf_w(m, f.probability[i], jacobian);
+    do {
+        more = 0;
+        for (int i = 0; i < lanes; i++) {
+            const PartitionFork *r = &p->fork[node[i]];
+            uint32_t next = r->first + (at[r->by_y][i] >= r->cut);
+            more |= next ^ node[i];
+            node[i] = next;
+        }
+    } while (more);
+    for (int i = 0; i < lanes; i++) {
+        const PartitionNode *r = &p->node[node[i]];
+        const PartitionPart *q = &p->part[node[i]];
+        for (int k = 0; k < 2; k++)
+            f->u[k][from + i] = d_min((at[k][i] - q->at[k]) / (q->end[k] - q->at[k]),
+                                      1.0 - 0x1p-50);
+        start_in(f, from + i, p->map, r, r->weight / p->node[0].weight);
     }
 }
 
-void partition_warp(const Partition *p, V2 u, PartitionSample *s) { fall(p, &u, s, 1, 1); }
+/* From cells to directions. */
+INLINE void land(const Partition *p, const Falls *f, PartitionSample *out, int n)
+{
+    const SkyMap *m = p->map;
+    double across = 1.0 / m->w, down = 1.0 / m->h;
+    float jacobian[TOGETHER];
+    V2 place[TOGETHER];
+    V3 wi[TOGETHER];
+
+    for (int i = 0; i < n; i++) {
+        place[i].x = place_in(f->x0[i], f->u[0][i], across, m->w);
+        place[i].y = place_in(f->y0[i], f->u[1][i], down, m->h);
+    }
+    skymap_directions(m, place, wi, jacobian, n);
+    for (int i = 0; i < n; i++) {
+        out[i].place = place[i];
+        out[i].wi = v_unit(wi[i]);
+        out[i].pdf_w = cell_pdf_w(m, f->probability[i], jacobian[i]);
+    }
+}
+
+void partition_warp(const Partition *p, V2 u, PartitionSample *s)
+{
+    Falls f[2];
+    Cuts cut;
+    int now = 0;
+
+    fall_to_leaves(p, &u, &f[0], 0, 1);
+    for (; look_up(&f[now], &cut, p->map, 1); now ^= 1)
+        step(&f[now], &cut, &f[now ^ 1], 0, NULL);
+    land(p, &f[now], s, 1);
+}
+
+/* To the cells, a step there and a step back: two names, so that a compiler sees that one is not
+ * the other. */
+static void fall_to_cells(Falls *f, const SkyMap *m, int lanes)
+{
+    Falls g;
+    Cuts cut;
+
+    while (look_up(f, &cut, m, lanes)) {
+        for (int i = 0; i < lanes; i++)
+            step(f, &cut, &g, i, NULL);
+        if (!look_up(&g, &cut, m, lanes)) {
+            *f = g;
+            return;
+        }
+        for (int i = 0; i < lanes; i++)
+            step(&g, &cut, f, i, NULL);
+    }
+}
 
 void partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, int n)
 {
-    for (int i = 0; i < n; i += TOGETHER)
-        fall(p, u + i, s + i, n - i < TOGETHER ? n - i : TOGETHER, TOGETHER);
+    V2 point[TOGETHER];
+    Falls f;
+
+    for (int first = 0; first < n; first += TOGETHER) {
+        int some = n - first < TOGETHER ? n - first : TOGETHER;
+        int lanes = (some + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE * SIDE_BY_SIDE;
+        for (int i = 0; i < lanes; i++)
+            point[i] = u[first + (i < some ? i : 0)];
+        for (int i = 0; i < lanes; i += SIDE_BY_SIDE)
+            fall_to_leaves(p, point + i, &f, i, SIDE_BY_SIDE);
+        fall_to_cells(&f, p->map, lanes);
+        land(p, &f, s + first, some);
+    }
 }
 
 /* ---- back ---- */
@@ -205,26 +263,26 @@ void partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, in
 static double find_cell(const Partition *p, Aim *aim)
 {
     const PartitionNode *r = &p->node[0];
-    Falls f;
+    Falls f[2];
+    Cuts cut;
+    int now = 0;
 
-    aim->at[0] = aim->at[1] = 0.0;
-    aim->side[0] = aim->side[1] = 1.0;
     if (aim->y < r->y0 || aim->y >= r->y1)
         return 0.0;
-    while (r->child) {
-        const PartitionNode *a = &p->node[r->child];
-        bool second = (r->by_x ? aim->x : aim->y) >= r->split;
-        int k = r->by_x ? 0 : 1;
-        aim->at[k] += second ? aim->side[k] * (a->weight / r->weight) : 0.0;
-        aim->side[k] *= (second ? r->weight - a->weight : a->weight) / r->weight;
-        r = a + second;
-        if (!(r->weight > 0.0))
-            return 0.0;
+    while (r->child)
+        r = &p->node[r->child] + ((r->by_x ? aim->x : aim->y) >= r->split);
+    if (!(r->weight > 0.0))
+        return 0.0;
+    for (int k = 0; k < 2; k++) {
+        const PartitionPart *q = &p->part[r - p->node];
+        aim->at[k] = q->at[k];
+        aim->side[k] = q->end[k] - q->at[k];
     }
-    start_in(&f, 0, p->map, r, r->weight / p->node[0].weight);
-    while (f.probability[0] > 0.0 && look_up(&f, p->map, 1))
-        step(&f, 0, aim);
-    return f.probability[0];
+    f[0].u[0][0] = f[0].u[1][0] = 0.0;
+    start_in(&f[0], 0, p->map, r, r->weight / p->node[0].weight);
+    for (; f[now].probability[0] > 0.0 && look_up(&f[now], &cut, p->map, 1); now ^= 1)
+        step(&f[now], &cut, &f[now ^ 1], 0, aim);
+    return f[now].probability[0];
 }
 
 float partition_pdf_w(const Partition *p, V3 wi)

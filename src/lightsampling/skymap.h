@@ -56,6 +56,7 @@ INLINE V3 skymap_corner(const SkyMap *m, uint32_t x, uint32_t y)
 
 /* Place to direction of the world, and d omega / d place. */
 V3 skymap_direction(const SkyMap *m, V2 place, float *jacobian);
+void skymap_directions(const SkyMap *m, const V2 *place, V3 *wi, float *jacobian, int n);
 V2 skymap_place(const SkyMap *m, V3 wi, float *jacobian);
 INLINE void skymap_cell(const SkyMap *m, V2 place, uint32_t *x, uint32_t *y)
 {
