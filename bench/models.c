@@ -71,20 +71,37 @@ static bool settle(Model *m)
     return true;
 }
 
+/* Case does not count. */
+static bool is_word(const char *s, size_t n, const char *word)
+{
+    return word_is_nocase((Word){ s, n }, word);
+}
+
+/* Whether the scene is to be made: large ones are only if they are asked for. */
+static bool is_wanted(const PrintedScene *s, uint64_t tris, uint64_t most)
+{
+    const char *only = getenv("MODEL");
+    char n[32];
+
+    if (tris > most)
+        return false;
+    if (only && *only)
+        return is_word(s->name, strlen(s->name), only);
+    if (tris < FULL_LEAST || getenv("FULL"))
+        return true;
+    printf("\n%s, %s triangles, is left out: FULL=1 in the environment asks for it\n", s->name,
+           with_commas(n, tris));
+    return false;
+}
+
 static void each_made(uint64_t most, void (*f)(const Model *m))
 {
     for (int i = 0; i < PRINTED_SCENES; i++) {
         const PrintedScene *s = &printed_scenes[i];
         uint64_t tris = (uint64_t)s->meshes * s->triangles;
         Model m = { s->name, s, NULL, 0, 0 };
-        char n[32];
-        if (tris > most)
+        if (!is_wanted(s, tris, most))
             continue;
-        if (tris >= FULL_LEAST && !getenv("FULL")) {
-            printf("\n%s, %s triangles, is left out: FULL=1 in the environment asks for it\n",
-                   s->name, with_commas(n, tris));
-            continue;
-        }
         m.scene = scene_new();
         if (m.scene && make(m.scene, s) && settle(&m))
             f(&m);
@@ -93,12 +110,6 @@ static void each_made(uint64_t most, void (*f)(const Model *m))
 }
 
 /* ---- the user's ---- */
-
-/* Case does not count. */
-static bool is_word(const char *s, size_t n, const char *word)
-{
-    return word_is_nocase((Word){ s, n }, word);
-}
 
 static bool is_stem(const char *name, const char *word)
 {
@@ -187,6 +198,7 @@ CastConfig config_of(const char *text, Arena *arena)
 {
     CastConfig c;
 
+    memset(&c, 0, sizeof c);
     c.text = text;
     c.kind = kind_from_text(accels, "accelerator", text, &c.opts, arena);
     ASSERT(c.kind);

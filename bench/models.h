@@ -15,7 +15,8 @@ typedef struct {
 
 /* Calls f for each scene in turn, which then is forgotten. With MODELS in the environment they are
  * the PLY and OBJ files of that folder, by name. Else they are as large as those of the document,
- * without those of more than `most` triangles; and the largest only with FULL. */
+ * without those of more than `most` triangles; and the largest only with FULL. With MODEL only that
+ * of them that it names. */
 void models_each(uint64_t most, void (*f)(const Model *m));
 
 /* A structure by its text, "lbvh:bits=8"; its strings go to the arena. A wrong text is our bug. */

@@ -522,7 +522,8 @@ static void scenes(void)
 static void wrong_words(void)
 {
     static const struct { const char *line, *err; } CASES[] = {
-        { "cast", "cast takes meshes (.ply, .obj) or scenes; see rushlight help cast" },
+        { "cast", "cast takes meshes (.ply, .obj), scenes, or "
+          "shapes made by rule (geometryimage:side=512); see rushlight help cast" },
         { "cast m.ply --acel wide",
           "cast: unknown option '--acel', did you mean '--accel'?; see rushlight help cast" },
         { "cast m.ply --accel wide:bits=3", "wide has no option 'bits'" },
@@ -557,6 +558,78 @@ static void wrong_words(void)
     EXPECT(!strcmp(cli_folder(), "m.ply "), "the folder holds %s", cli_folder());
 }
 
+/* ---- tessellations ---- */
+
+/* Rows of all structures over the list of triangles, then of lbvh over the grid of points: of as
+ * many triangles, with the same hits, bytes of the geometry by 12 or fewer a point, four nodes for
+ * each region that is divided, its root, and one above. */
+static void expect_regular(const char *shape, double tris, double points, double point_bytes,
+                           double nodes)
+{
+    const Csv *c = csv_of(CLI_WORKS("cast %s --quiet --csv --size 24x20 --runs 1 --batch 50",
+                                    shape).out);
+    int last = c->n - RAYS_KINDS;
+
+    REQUIRE(c->n == (structures() + 1) * RAYS_KINDS, "%s: %d rows", shape, c->n);
+    expect_agreement(c, RAYS_KINDS);
+    for (int i = 0; i < c->n; i++) {
+        double geometry = i < last ? tris * sizeof(Tri) + points * sizeof(V3)
+                                   : points * point_bytes + sizeof(Shape);
+        EXPECT(csv_num(c, i, "triangles") == tris && csv_num(c, i, "vertices") == points,
+               "%s: %s triangles", shape, csv_text(c, i, "triangles"));
+        EXPECT(fabs((csv_num(c, i, "bytes_per_triangle_all") - csv_num(c, i, "bytes_per_triangle"))
+                    * tris - geometry) < 1e-6, "%s, row %d: geometry", shape, i);
+    }
+    EXPECT(csv_num(c, last, "nodes") == nodes, "%s: %s nodes", shape, csv_text(c, last, "nodes"));
+    EXPECT(!strcmp(csv_text(c, last, "structure"), "lbvh regular") &&
+           csv_num(c, 0, "hits") > 100 && csv_num(c, RAYS_BOUNCE, "hits") > 0, "%s: %s, %s hits",
+           shape, csv_text(c, last, "structure"), csv_text(c, 0, "hits"));
+}
+
+/* By their names, and in a scene. */
+static void tessellations(void)
+{
+    const Csv *c;
+
+    expect_regular("geometryimage:surface=patch,side=12", 288, 169, 12, 202);
+    expect_regular("geometryimage:surface=torus,side=14,bits=16", 392, 225, 6, 282);
+    expect_regular("heightfield:nu=20,nv=15,rule=hills", 532, 300, 4, 398);
+    expect_regular("heightfield:nu=18,nv=18,rule=hills,subdivision=triangular,bits=16", 289, 171,
+                   2, 342);
+    cli_write_text("s.pbrt", "WorldBegin Shape \"box\" ObjectBegin \"o\"\n"
+                   "Shape \"geometryimage\" \"integer side\" 4 Shape \"torus\" ObjectEnd\n"
+                   "AttributeBegin Translate 2 1 0 Shape \"heightfield\" \"string rule\" \"hills\""
+                   " \"integer nu\" 5 \"integer nv\" 6 AttributeEnd\n"
+                   "AttributeBegin Translate 3 0 0 ObjectInstance \"o\" AttributeEnd\n"
+                   "Shape \"sphere\" AttributeBegin Translate 0 3 0 Shape \"box\" AttributeEnd\n");
+    c = csv_of(CLI_WORKS("cast s.pbrt --quiet --csv --size 30x30 --runs 0 --accel wide "
+                         "--accel lbvh:bits=8 --accel lbvh:leaf=1 --accel brute").out);
+    REQUIRE(c->n == 6 * RAYS_KINDS, "%d rows", c->n);
+    expect_agreement(c, RAYS_KINDS);
+    EXPECT(!strcmp(csv_text(c, 4 * RAYS_KINDS, "structure"), "lbvh:bits=8 regular") &&
+           !strcmp(csv_text(c, 5 * RAYS_KINDS, "structure"), "lbvh:leaf=1 regular"), "%s, %s",
+           csv_text(c, 4 * RAYS_KINDS, "structure"), csv_text(c, 5 * RAYS_KINDS, "structure"));
+}
+
+/* Any shape that is made by rule; what is none. */
+static void shapes(void)
+{
+    const Csv *c = csv_of(CLI_WORKS("cast generated:kind=rock,triangles=1000 sphere --quiet --csv "
+                                    "--size 16x16 --runs 0 --accel wide").out);
+
+    EXPECT(c->n == 2 * RAYS_KINDS && csv_num(c, 0, "triangles") == 1000 &&
+           csv_num(c, RAYS_KINDS, "triangles") == 0, "%s triangles", csv_text(c, 0, "triangles"));
+    CLI_FAILS(STATUS_USAGE, "geometryimage has no option 'sid', did you mean 'side'?",
+              "cast geometryimage:sid=4 --quiet");
+    CLI_FAILS(STATUS_INPUT, "nurbs: the shape is not supported", "cast nurbs --quiet");
+    CLI_FAILS(STATUS_INPUT, "heightfield:rule=hills: a heightfield needs \"integer nu\" and "
+              "\"integer nv\", at least 2 each", "cast heightfield:rule=hills --quiet");
+    CLI_FAILS(STATUS_INPUT, "plymesh: the shape needs a \"string filename\"",
+              "cast plymesh --quiet");
+    CLI_FAILS(STATUS_INPUT, "heightfeld: a scene was expected: .pbrt, .obj or .ply",
+              "cast heightfeld --quiet");
+}
+
 const TestCase test_cli_cast[] = {
     { "csv", csv, false },
     { "tables", tables, false },
@@ -573,5 +646,7 @@ const TestCase test_cli_cast[] = {
     { "odd_meshes", odd_meshes, false },
     { "scenes", scenes, false },
     { "wrong_words", wrong_words, false },
+    { "tessellations", tessellations, false },
+    { "shapes", shapes, false },
     { NULL, NULL, false }
 };

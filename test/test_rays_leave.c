@@ -10,6 +10,8 @@
  * at all is a thing of its own and counted as `sunk`. */
 #include "test/ray_help.h"
 
+#include "geometry/generate.h"
+#include "geometry/triangle.h"
 #include "integrators/integrator.h"
 
 #include <stdio.h>
@@ -469,8 +471,80 @@ static void pieces(void) { leave_all(MESHES, PIECES); }
 static void round_ones(void) { leave_all(PIECES, ROUND); }
 static void instances(void) { leave_all(ROUND, BODIES); }
 
+/* ---- triangles side by side ---- */
+
+/* Eight triangles about the origin; the ray begins about a point of one, far off it or so near that
+ * only roundings tell on which side. */
+static Ray ray_about(const Geometry *g, float scale, Rng *rng)
+{
+    V3 c[3], at, d = v_unit(v3(rng_unit(rng) - 0.5f, rng_unit(rng) - 0.5f, rng_unit(rng) - 0.5f));
+    float u = rng_unit(rng), v = (1 - u) * rng_unit(rng), off;
+
+    geometry_corners(g, rng_below(rng, 8), c);
+    at = v_add(v_scale(c[0], 1 - u - v), v_add(v_scale(c[1], u), v_scale(c[2], v)));
+    off = (rng_unit(rng) - 0.5f) * scale * (float)ldexp(1, -(int)rng_below(rng, 30));
+    if (rng_below(rng, 4) == 0)
+        d.z = 0;
+    return (Ray){ .o = v_mad(d, off, at), .d = d, .tmax = INFINITY };
+}
+
+/* What the test of lanes passes over, triangle_nearest does not meet. Returns how many of those
+ * that the ray's line meets behind its origin the lanes pass over. */
+static int check_lanes(const Geometry *g, const Ray *r, bool always)
+{
+    static const uint32_t prims[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    const Ray back = { .o = r->o, .d = v_neg(r->d), .tmax = INFINITY };
+    TriangleBlock block;
+    BlockView view;
+    Probe p, q;
+    Hit four;
+    int bits, behind = 0;
+
+    probe_init(&p, r);
+    probe_init(&q, &back);
+    triangle_block_fetch(&block, g, prims, 8);
+    bits = triangle_block_test(&block, 8, &p, always, &view);
+    for (uint32_t k = 0; k < 8; k++) {
+        const uint32_t alone[4] = { k, 7 - k, 7 - k, 7 - k };
+        Hit one;
+        hit_none(&one, r->tmax);
+        hit_none(&four, r->tmax);
+        triangle_nearest(g, k, &p, &one);
+        triangle_four_nearest(g, alone, 1, &p, always, &four);
+        EXPECT(one.outer == four.outer && one.t == four.t, "a lane of four finds t = %g, not %g",
+               (double)four.t, (double)one.t);
+        EXPECT(one.outer == NO_PRIM || bits >> k & 1, "t = %g is passed over", (double)one.t);
+        hit_none(&one, r->tmax);
+        behind += !(bits >> k & 1) && triangle_nearest(g, k, &q, &one);
+    }
+    return behind;
+}
+
+static void lanes(void)
+{
+    static const float SCALES[] = { 1, 1e-3f, 1e4f, 1e-12f, 1e12f, 1e-20f, 1e18f, 1e-37f, 1e37f };
+    Rng rng = rng_seed(5);
+    int behind[2] = { 0, 0 };
+
+    for (int i = 0; i < 900; i++) {
+        float scale = SCALES[i % 9];
+        Geometry g;
+        Mesh m;
+        REQUIRE(mesh_soup(&m, 12, 1, (uint64_t)i), "memory");
+        mesh_place(&m, scale, v3(0, 0, 0));
+        geometry_of(&g, &m);
+        for (int k = 0; k < 60; k++) {
+            Ray r = ray_about(&g, scale, &rng);
+            behind[k & 1] += check_lanes(&g, &r, k & 1);
+        }
+        geometry_clear(&g);
+    }
+    for (int k = 0; k < 2; k++)
+        EXPECT(behind[k] > 5000, "only %d triangles behind the origin are passed over", behind[k]);
+}
+
 const TestCase test_rays_leave[] = {
     { "meshes", meshes, false }, { "pieces", pieces, false }, { "round", round_ones, false },
-    { "instances", instances, false },
+    { "instances", instances, false }, { "lanes", lanes, false },
     { NULL, NULL, false }
 };

@@ -170,6 +170,12 @@ static void rows(void)
             for (int l = 0; l < 4; l++)
                 ok = ok && same(out[k][l], p[l][k]);
         }
+        for (int k = 0; k < 6; k++) {
+            int axes[3] = { k % 3, (k + 1 + k / 3) % 3, (k + 2 - k / 3) % 3 };
+            f4_store_any(out[0], f4_pick(f4_load_any(p[0]), f4_axes(axes[0], axes[1], axes[2])));
+            for (int l = 0; l < 4; l++)
+                ok = ok && same(out[0][l], p[0][l < 3 ? axes[l] : 3]);
+        }
         f8_store(joined, f8_join(f4_load_any(p[0]), f4_load_any(p[1])));
         for (int k = 0; k < 8; k++)
             ok = ok && same(joined[k], p[k / 4][k % 4]);

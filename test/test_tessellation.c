@@ -494,6 +494,68 @@ static void as_mesh(void)
     EXPECT(cli_same_file("field.pfm", "mesh.pfm"), "a height field is not drawn as its mesh is");
 }
 
+/* ---- as lists ---- */
+
+/* A mesh of one triangle a vertex pair, with normals, so that what is copied has a length. */
+static void add_strip(Geometry *g, uint32_t n, float z)
+{
+    Mesh m;
+
+    REQUIRE(mesh_grid(&m, n, 1), "memory");
+    m.n = MEM_ARRAY(V3, m.nverts);
+    REQUIRE(m.n, "memory");
+    for (uint32_t i = 0; i < m.nverts; i++) {
+        m.p[i].z = z;
+        m.n[i] = v3((float)i, z, 1);
+    }
+    REQUIRE(geometry_add_mesh(g, &m, plain, NULL), "memory");
+}
+
+static void same_corners(const Geometry *g, uint32_t a, const Geometry *h, uint32_t b)
+{
+    V3 c[3], d[3];
+
+    geometry_face(g, a, c);
+    geometry_face(h, b, d);
+    EXPECT(!memcmp(c, d, sizeof c), "triangle %lu is not %lu of the list", (unsigned long)a,
+           (unsigned long)b);
+}
+
+/* Meshes, a disc and tessellations in turn: the copy shares nothing, and the list has the meshes'
+ * triangles first, then those of the tessellations by their numbers; a copy of it is good, too. */
+static void listed(void)
+{
+    Geometry g, copy, again;
+    Tessellation t;
+    Disk d;
+    Transform map = xf_rotate(33, 1, 2, 3);
+
+    memset(&g, 0, sizeof g);
+    REQUIRE(disk_init(&d, &map, 0, 1, 0, 360), "a disc");
+    REQUIRE(image_patch(&t, (ImageForm){ true, 5, 16, NULL }) &&
+            geometry_add_tessellation(&g, &t, plain, NULL), "memory");
+    add_strip(&g, 3, 0.25f);
+    REQUIRE(geometry_add_disk(&g, &d, plain, NULL) &&
+            image_torus(&t, (ImageForm){ false, 6, 32, NULL }, 2, 0.5f) &&
+            geometry_add_tessellation(&g, &t, plain, NULL), "memory");
+    add_strip(&g, 2, 0.5f);
+    REQUIRE(geometry_finish(&g) && geometry_copy(&copy, &g) && geometry_copy(&again, &copy),
+            "memory");
+    geometry_clear(&copy);
+    REQUIRE(geometry_list(&again) && geometry_copy(&copy, &again), "memory");
+    geometry_clear(&again);
+    EXPECT(copy.ntris == 10 + 25 + 72 && copy.nodd == 1 && !copy.nfaces && copy.nmeshes == 4 &&
+           geometry_shape(&copy, 107)->kind == SHAPE_DISK, "%lu triangles",
+           (unsigned long)copy.ntris);
+    for (uint32_t i = 0; i < 10; i++)
+        same_corners(&g, i, &copy, i);
+    for (uint32_t i = 0; i < 25 + 72; i++)
+        same_corners(&g, 10 + 3 + i, &copy, 10 + i);
+    EXPECT(geometry_shape(&copy, 9)->n[5].x == 5, "normals of the second mesh");
+    geometry_clear(&copy);
+    geometry_clear(&g);
+}
+
 /* ---- memory ---- */
 
 /* [Cline07 3.2.2]: a height field of floats takes just over 2 bytes a triangle, a geometry image
@@ -575,7 +637,7 @@ const TestCase test_tessellation[] = {
     { "places", places, false }, { "trees", trees, false }, { "noticed", noticed, false },
     { "every_side", every_side, false }, { "every_place", every_place, false },
     { "extreme", extreme, false }, { "closed", closed, false }, { "shaded", shaded, false },
-    { "as_mesh", as_mesh, false }, { "memory", memory, false },
+    { "as_mesh", as_mesh, false }, { "listed", listed, false }, { "memory", memory, false },
     { "out_of_memory", out_of_memory, false },
     { NULL, NULL, false }
 };

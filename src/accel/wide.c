@@ -129,7 +129,7 @@ INLINE bool query(const Wide *w, bool lean, const Ray *r, Hit *h, bool any, Step
         } else {
             if (steps)
                 steps->prims += leaf_prims(at);
-            leaf_meets(w, lean, at, r, &p, h, any, steps);
+            leaf_meets(w, lean, at, r, &p, false, h, any, steps);
             if (any && h->outer != NO_PRIM)
                 return true;
         }

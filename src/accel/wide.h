@@ -143,46 +143,63 @@ INLINE Below node_child(const Wide *w, bool lean, Below at, int k)
            n->end[k];
 }
 
-INLINE void block_meets(const TriangleBlock *b, int n, const Probe *p, Hit *best)
+INLINE void block_meets(const TriangleBlock *b, int n, const Probe *p, bool always, Hit *best)
 {
     BlockView v;
-    int bits = triangle_block_test(b, n, p, &v);
+    int bits = triangle_block_test(b, n, p, always, &v);
 
     for (; bits; bits &= bits - 1)
         triangle_block_accept(b, LOWEST_BIT(bits), p, &v, best);
 }
 
-/* A leaf of form lean: its triangles are fetched from the mesh. */
-INLINE void lean_leaf_meets(const Wide *w, Below at, const Ray *r, const Probe *p, Hit *best,
-                            bool any, Steps *steps)
+/* Primitive k of a leaf of form lean; the last of its n for what is beyond. */
+INLINE uint32_t lean_prim(const Wide *w, Below at, int n, int k)
 {
-    Below place = leaf_place(at);
-    int n = leaf_count(at);
+    Below i = leaf_place(at) + (Below)(k < n ? k : n - 1);
+    return w->order ? w->order[i] : i;
+}
+
+/* A leaf of more than four triangles. */
+INLINE void lean_block_meets(const Wide *w, Below at, int n, const Probe *p, bool always, Hit *best)
+{
     uint32_t prim[LEAF];
     TriangleBlock b;
 
-    for (int k = 0; k < LEAF; k++) {
-        Below i = place + (Below)(k < n ? k : n - 1);
-        prim[k] = w->order ? w->order[i] : i;
-    }
-    if (UNLIKELY(!geometry_is_tri(w->base.geo, prim[0]))) {
-        prim_meets(&w->base, prim[0], r, p, best, any, steps);
-        return;
-    }
+    for (int k = 0; k < LEAF; k++)
+        prim[k] = lean_prim(w, at, n, k);
     triangle_block_fetch(&b, w->base.geo, prim, n);
-    block_meets(&b, n, p, best);
+    block_meets(&b, n, p, always, best);
 }
 
-/* What is in a leaf against the ray: *best as for prim_meets. */
-INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const Probe *p, Hit *best,
-                       bool any, Steps *steps)
+/* A leaf of form lean: its triangles are fetched from the mesh. Most have four at most. */
+INLINE void lean_leaf_meets(const Wide *w, Below at, const Ray *r, const Probe *p, bool always,
+                            Hit *best, bool any, Steps *steps)
+{
+    int n = leaf_count(at);
+    uint32_t prim[4];
+
+    if (UNLIKELY(n > 4)) {
+        lean_block_meets(w, at, n, p, always, best);
+        return;
+    }
+    for (int k = 0; k < 4; k++)
+        prim[k] = lean_prim(w, at, n, k);
+    if (LIKELY(geometry_is_tri(w->base.geo, prim[0])))
+        triangle_four_nearest(w->base.geo, prim, n, p, always, best);
+    else
+        prim_meets(&w->base, prim[0], r, p, best, any, steps);
+}
+
+/* What is in a leaf against the ray: *best as for prim_meets. always: see triangle_lanes.h. */
+INLINE void leaf_meets(const Wide *w, bool lean, Below at, const Ray *r, const Probe *p,
+                       bool always, Hit *best, bool any, Steps *steps)
 {
     if (lean)
-        lean_leaf_meets(w, at, r, p, best, any, steps);
+        lean_leaf_meets(w, at, r, p, always, best, any, steps);
     else if (UNLIKELY(is_odd(at)))
         prim_meets(&w->base, at & ~BELOW_ODD, r, p, best, any, steps);
     else
-        block_meets(&w->blocks[leaf_place(at)], leaf_count(at), p, best);
+        block_meets(&w->blocks[leaf_place(at)], leaf_count(at), p, always, best);
 }
 
 /* How many primitives are looked at there. */

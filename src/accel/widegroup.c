@@ -148,7 +148,7 @@ INLINE void group_leaf(Group *g, const Wide *w, bool lean, bool any, Stop at)
         int k = LOWEST_BIT(rays);
         if (at.near > g->t[k])
             continue;
-        leaf_meets(w, lean, at.below, g->p[k].ray, &g->p[k], &g->h[k], any, NULL);
+        leaf_meets(w, lean, at.below, g->p[k].ray, &g->p[k], false, &g->h[k], any, NULL);
         g->t[k] = g->h[k].t;
         if (any && g->h[k].outer != NO_PRIM)
             g->open &= ~(1u << k);

@@ -128,7 +128,7 @@ INLINE void fly_as(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, boo
         for (size_t k = 0; k < count; k++) {
             Walk *x = leaves.x[k];
             if (x->at != DONE) {
-                leaf_meets(w, lean, x->at, x->p.ray, &x->p, &x->h, any, NULL);
+                leaf_meets(w, lean, x->at, x->p.ray, &x->p, true, &x->h, any, NULL);
                 if (any && x->h.outer != NO_PRIM)
                     x->at = DONE;
                 else

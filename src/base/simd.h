@@ -156,6 +156,20 @@ INLINE int f4_halves_cancel(F4 a)
 
 INLINE F4 f4_all(float a) { return f4(a, a, a, a); }
 
+/* Lanes in the order of three axes, the fourth stays; no branch, since axes come at random. */
+#if defined(__AVX__) && defined(__GNUC__) && !defined(RUSHLIGHT_PLAIN)
+typedef F4Turn F4Axes;
+INLINE F4Axes f4_axes(int x, int y, int z) { return (F4Axes){ x, y, z, 3 }; }
+INLINE F4 f4_pick(F4 a, F4Axes axes) { return __builtin_ia32_vpermilvarps(a, axes); }
+#else
+typedef struct { int k[3]; } F4Axes;
+INLINE F4Axes f4_axes(int x, int y, int z) { F4Axes r = { { x, y, z } }; return r; }
+INLINE F4 f4_pick(F4 a, F4Axes axes)
+{
+    return f4(f4_lane(a, axes.k[0]), f4_lane(a, axes.k[1]), f4_lane(a, axes.k[2]), f4_lane(a, 3));
+}
+#endif
+
 /* The largest and the least of lanes 0, 1, 2. */
 INLINE float f4_max_three(F4 a)
 {

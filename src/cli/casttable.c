@@ -81,6 +81,12 @@ static void print_rays(const CastTable *t)
     }
 }
 
+/* Of the geometry beside which structure i stands. */
+static size_t geometry_bytes(const CastTable *t, int i)
+{
+    return t->configs[i].regular ? t->scene->regular_bytes : t->scene->bytes;
+}
+
 static void print_builds(const CastTable *t, int width)
 {
     double prims = (double)t->scene->prims;
@@ -96,7 +102,7 @@ static void print_builds(const CastTable *t, int width)
         print_name(t->configs[i].text, width);
         printf("%10.4f%10.4f%11lu", r->build_one, r->build_all, (unsigned long)r->nodes);
         print_cell(8, 1, any, (double)r->bytes / prims);
-        print_cell(8, 1, any, (double)(r->bytes + t->scene->bytes) / prims);
+        print_cell(8, 1, any, (double)(r->bytes + geometry_bytes(t, i)) / prims);
         print_cell(8, 1, any, (double)r->peak / prims);
         printf("\n");
     }
@@ -205,7 +211,7 @@ static void csv_structure(const CastTable *t, int i)
     csv_number(true, r->build_all, ',');
     printf("%lu,%d,%lu,", (unsigned long)r->nodes, r->depth, (unsigned long)r->bytes);
     csv_number(prims > 0, (double)r->bytes / prims, ',');
-    csv_number(prims > 0, (double)(r->bytes + c->bytes) / prims, ',');
+    csv_number(prims > 0, (double)(r->bytes + geometry_bytes(t, i)) / prims, ',');
     csv_number(prims > 0, (double)r->peak / prims, ',');
 }
 

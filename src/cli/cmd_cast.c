@@ -32,6 +32,7 @@ static const ArgDef args[] = {
 };
 
 enum { MESHES = 256, CONFIGS = 64 };
+#define REGULAR " regular"               /* behind the name of a structure: over tessellations */
 #define BRUTE_MOST 1e8          /* primitive tests a ray set: above it brute has to be asked for */
 
 typedef struct {
@@ -155,7 +156,8 @@ static bool set(void *ctx, int k, const char *value)
 static bool check(const Line *l)
 {
     if (!l->nmeshes)
-        return err_usage("cast takes meshes (.ply, .obj) or scenes; see rushlight help cast");
+        return err_usage("cast takes meshes (.ply, .obj), scenes, or shapes made by rule "
+                         "(geometryimage:side=512); see rushlight help cast");
     if (l->rays_out && l->nmeshes > 1)
         return err_usage("--rays-out takes one mesh, got '%s' and '%s'", l->mesh[0], l->mesh[1]);
     if (l->rays_out && l->nrays)
@@ -222,10 +224,34 @@ static void print(const Line *l, const CastTable *t)
     printf("\n");
 }
 
-static bool measure(const Line *l, CastScene *c, const RaySet *sets, int nsets, bool *differs)
+/* A structure that has boxes of its own over tessellations is measured over these, too, beside the
+ * list of their triangles. *n grows; configs has room for twice as many. */
+static bool add_regular(CastConfig *configs, int *n, Arena *arena)
 {
-    CastConfig *configs = MEM_ARRAY(CastConfig, CONFIGS);
-    CastRow *rows = MEM_ARRAY(CastRow, CONFIGS);
+    int count = *n;
+
+    for (int i = 0; i < count; i++) {
+        CastConfig *config = &configs[*n];
+        size_t room = strlen(configs[i].text) + sizeof REGULAR;
+        char *text;
+        if (!configs[i].kind->regular)
+            continue;
+        text = arena_take(arena, room, 1);
+        if (!text)
+            return false;
+        *config = configs[i];
+        config->regular = true;
+        config->text = text;
+        snprintf(text, room, "%s%s", configs[i].text, REGULAR);
+        (*n)++;
+    }
+    return true;
+}
+
+static bool measure(Line *l, CastScene *c, const RaySet *sets, int nsets, bool *differs)
+{
+    CastConfig *configs = MEM_ARRAY(CastConfig, 2 * CONFIGS);
+    CastRow *rows = MEM_ARRAY(CastRow, 2 * CONFIGS);
     CastTable t = { c, &l->order, sets, nsets, configs, rows, 0 };
     bool ok = configs && rows;
 
@@ -234,6 +260,8 @@ static bool measure(const Line *l, CastScene *c, const RaySet *sets, int nsets, 
         t.nrows = l->nconfigs;
     } else if (ok)
         t.nrows = default_configs(configs, c, sets, nsets);
+    if (ok && c->listed)
+        ok = add_regular(configs, &t.nrows, &l->arena);
     for (int i = 0; ok && i < t.nrows; i++) {
         ok = cast_measure(c, &configs[i], &l->order, sets, nsets, &rows[i], differs);
         if (ok)
@@ -271,7 +299,8 @@ static bool cast_mesh(Line *l, const char *path, bool *differs)
     SceneFile f;
     bool ok;
 
-    if (!scenefile_read(&f, path, &l->limits))
+    if (!(scenefile_is_shape(path) ? scenefile_shape(&f, path, &l->limits)
+                                   : scenefile_read(&f, path, &l->limits)))
         return false;
     memset(made, 0, sizeof made);
     ok = cast_scene(l, f.scene, path, made, differs);

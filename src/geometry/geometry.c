@@ -12,7 +12,7 @@ void geometry_clear(Geometry *g)
         mem_free(g->shapes[i].n);
         mem_free(g->shapes[i].uv);
         mem_free(g->shapes[i].place);
-        if (g->shapes[i].kind == SHAPE_TESSELLATION) {
+        if (g->shapes[i].kind == SHAPE_TESSELLATION && g->shapes[i].as.tessellation) {
             tessellation_clear(g->shapes[i].as.tessellation);
             mem_free(g->shapes[i].as.tessellation);
         }
@@ -50,6 +50,14 @@ static Instance *copy_of_instance(const Instance *in, bool *ok)
     return copy;
 }
 
+static Tessellation *copy_of_tessellation(const Tessellation *t, bool *ok)
+{
+    Tessellation *copy = *ok ? MEM_NEW(Tessellation) : NULL;
+
+    *ok = copy && tessellation_copy(copy, t);
+    return copy;
+}
+
 bool geometry_copy(Geometry *to, const Geometry *from)
 {
     size_t end = from->nverts;          /* of the vertices of a mesh: where the next one's begin */
@@ -61,17 +69,21 @@ bool geometry_copy(Geometry *to, const Geometry *from)
     to->odd = copy_of(from->odd, from->nodd, sizeof *to->odd, &ok);
     to->firsts = copy_of(from->firsts, from->nmeshes, sizeof *to->firsts, &ok);
     to->mesh_shapes = copy_of(from->mesh_shapes, from->nmeshes, sizeof *to->mesh_shapes, &ok);
+    to->tessellated = copy_of(from->tessellated, from->ntessellated, sizeof *to->tessellated, &ok);
     to->shapes = copy_of(from->shapes, from->nshapes, sizeof *to->shapes, &ok);
     to->cap_p = from->nverts;
     to->cap_tri = from->ntris;
     to->cap_odd = from->nodd;
     to->cap_shapes = from->nshapes;
+    to->cap_tessellated = from->ntessellated;
     if (!to->shapes)
         to->nshapes = 0;
     for (size_t i = to->nshapes; i-- > 0; ) {
         Shape *s = &to->shapes[i];
         if (s->kind == SHAPE_INSTANCE)
             s->as.instance = copy_of_instance(s->as.instance, &ok);
+        if (s->kind == SHAPE_TESSELLATION)
+            s->as.tessellation = copy_of_tessellation(s->as.tessellation, &ok);
         if (s->kind != SHAPE_MESH)
             continue;
         s->n = copy_of(s->n, end - s->first_vertex, sizeof *s->n, &ok);
@@ -285,6 +297,80 @@ bool geometry_finish(Geometry *g)
     }
     return true;
 }
+
+/* ---- tessellations as lists ---- */
+
+/* The same triangles with the same corners, by their numbers. */
+static bool list_faces(const Tessellation *t, Mesh *m)
+{
+    memset(m, 0, sizeof *m);
+    if (tessellation_points(t) > UINT32_MAX - 1)
+        return too_many();
+    m->nverts = (uint32_t)tessellation_points(t);
+    m->ntris = tessellation_faces(t);
+    m->p = MEM_ARRAY(V3, m->nverts);
+    m->tri = MEM_ARRAY(Tri, m->ntris);
+    if (!m->p || !m->tri) {
+        mesh_clear(m);
+        return false;
+    }
+    for (uint32_t i = 0; i < m->ntris; i++) {
+        GridPoint at[3];
+        tessellation_places(t, i, at);
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = (uint32_t)tessellation_index(t, at[k].x, at[k].y);
+            m->tri[i].v[k] = v;
+            m->p[v] = tessellation_point(t, at[k].x, at[k].y);
+        }
+    }
+    return true;
+}
+
+/* Tessellations become meshes without primitives: where they stand in the order of meshes does not
+ * matter to anyone but those who count vertices from one mesh to the next. */
+static void empty_tessellations(Geometry *g)
+{
+    uint32_t next = (uint32_t)g->nverts;
+    size_t n = 0;
+
+    for (size_t i = g->nshapes; i-- > 0; ) {
+        Shape *s = &g->shapes[i];
+        if (s->kind == SHAPE_MESH)
+            next = s->first_vertex;
+        if (s->kind != SHAPE_TESSELLATION)
+            continue;
+        tessellation_clear(s->as.tessellation);
+        mem_free(s->as.tessellation);
+        s->kind = SHAPE_MESH;
+        s->first = s->count = 0;
+        s->first_vertex = next;
+    }
+    for (size_t k = 0; k < g->nodd; k++)
+        if (g->shapes[g->odd[k]].kind != SHAPE_MESH)
+            g->odd[n++] = g->odd[k];
+    g->nodd = n;
+    g->ntessellated = g->nfaces = 0;
+}
+
+bool geometry_list(Geometry *g)
+{
+    size_t n = g->ntessellated;
+
+    for (size_t k = 0; k < n; k++) {
+        const Shape *s = &g->shapes[g->tessellated[k]];
+        ShapeTraits traits = { s->material, s->light, s->flip };
+        Mesh m;
+        g->nfaces -= tessellation_faces(s->as.tessellation);
+        if (!list_faces(s->as.tessellation, &m) || !geometry_add_mesh(g, &m, traits, NULL)) {
+            mesh_clear(&m);
+            return false;
+        }
+    }
+    empty_tessellations(g);
+    return geometry_finish(g);
+}
+
+/* ---- arranging ---- */
 
 static bool remember_places(Shape *s, const uint32_t *order)
 {

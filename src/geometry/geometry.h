@@ -106,6 +106,11 @@ bool geometry_finish(Geometry *g);
  * pictures stay the same. False: memory ran out, nothing changed. */
 bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order);
 
+/* Tessellations become meshes: their triangles, of the same numbers in turn, stand in a list, and
+ * follow those of all meshes. For comparing; how things are shaded is lost. False: memory or the
+ * counts ran out, reported, and *g is good for geometry_clear only. */
+bool geometry_list(Geometry *g);
+
 INLINE uint32_t geometry_prims(const Geometry *g) { return (uint32_t)(g->ntris + g->nodd); }
 Box geometry_box(const Geometry *g, uint32_t prim);             /* conservative bounds */
 /* The shape of a primitive or face. */

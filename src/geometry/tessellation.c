@@ -82,6 +82,24 @@ static bool make_fractions(Tessellation *t)
     return true;
 }
 
+bool tessellation_copy(Tessellation *to, const Tessellation *from)
+{
+    size_t n = tessellation_points(from) * width(from);
+    bool ok;
+
+    *to = *from;
+    to->values = from->values ? MEM_ARRAY(float, n) : NULL;
+    to->fractions = from->fractions ? MEM_ARRAY(uint16_t, n) : NULL;
+    ok = to->values || to->fractions;
+    if (to->values)
+        memcpy(to->values, from->values, n * sizeof *to->values);
+    if (to->fractions)
+        memcpy(to->fractions, from->fractions, n * sizeof *to->fractions);
+    if (!ok)
+        memset(to, 0, sizeof *to);
+    return ok;
+}
+
 static Box row_box(const Tessellation *t, uint32_t y)
 {
     uint32_t end = t->triangular ? 2 * y + 3 : 2 * t->nu;

@@ -56,6 +56,8 @@ bool tessellation_init(Tessellation *t, bool triangular, uint32_t nu, uint32_t n
  * False: no memory, reported. */
 bool tessellation_finish(Tessellation *t, int bits);
 void tessellation_clear(Tessellation *t);
+/* *to, which need not be set, shares nothing with *from. False: no memory, reported, *to empty. */
+bool tessellation_copy(Tessellation *to, const Tessellation *from);
 
 size_t   tessellation_points(const Tessellation *t);            /* their number */
 uint32_t tessellation_faces(const Tessellation *t);             /* that of the triangles */

@@ -126,7 +126,12 @@ INLINE bool triangle_accept(V3 pa, V3 pb, V3 pc, const TriangleView *v, uint32_t
 bool triangle_accept_prim(const Geometry *g, uint32_t prim, const Probe *r, const TriangleView *v,
                           Hit *h);
 
-/* ---- eight at once ---- */
+/* ---- several at once ---- */
+
+#define LANES 4
+#include "geometry/triangle_lanes.h"
+#define LANES 8
+#include "geometry/triangle_lanes.h"
 
 /* Copies of up to eight triangles, the lanes that are not used zero. */
 typedef struct {
@@ -165,36 +170,27 @@ INLINE void triangle_block_fetch(TriangleBlock *b, const Geometry *g, const uint
 /* The corners of a block as the ray sees them. */
 typedef union { float lane[3][3][8]; F8 align; } BlockView;    /* [corner][x, y, z][triangle] */
 
-/* Bit k: triangle k of the first n has to be looked at more closely. The arithmetic of each lane is
- * that of triangle_nearest; besides, triangles that lie wholly behind the origin are out. */
-INLINE int triangle_block_test(const TriangleBlock *b, int n, const Probe *r, BlockView *v)
+/* Bit k: triangle k of the first n has to be looked at more closely; see triangle_lanes.h. */
+INLINE int triangle_block_test(const TriangleBlock *b, int n, const Probe *r, bool always,
+                               BlockView *v)
 {
-    F8 x[3], y[3], z[3], e[3], least, most, size, ahead, zero = f8_all(0.0f);
-    F8 forward = f8_all(r->sz < 0.0f ? -1.0f : 1.0f);
-    int out;
+    triangles8_View at;
+    int bits;
 
     for (int k = 0; k < 3; k++) {
-        z[k] = f8_sub(f8_load(b->p[k][r->kz]), f8_all(r->oz));
-        x[k] = f8_sub(f8_sub(f8_load(b->p[k][r->kx]), f8_all(r->ox)), f8_mul(f8_all(r->sx), z[k]));
-        y[k] = f8_sub(f8_sub(f8_load(b->p[k][r->ky]), f8_all(r->oy)), f8_mul(f8_all(r->sy), z[k]));
+        at.x[k] = f8_sub(f8_load(b->p[k][r->kx]), f8_all(r->ox));
+        at.y[k] = f8_sub(f8_load(b->p[k][r->ky]), f8_all(r->oy));
+        at.z[k] = f8_sub(f8_load(b->p[k][r->kz]), f8_all(r->oz));
     }
-    e[0] = f8_sub(f8_mul(x[2], y[1]), f8_mul(y[2], x[1]));
-    e[1] = f8_sub(f8_mul(x[0], y[2]), f8_mul(y[0], x[2]));
-    e[2] = f8_sub(f8_mul(x[1], y[0]), f8_mul(y[1], x[0]));
-    least = f8_min(e[0], f8_min(e[1], e[2]));
-    most = f8_max(e[0], f8_max(e[1], e[2]));
-    size = f8_min(f8_abs(e[0]), f8_min(f8_abs(e[1]), f8_abs(e[2])));
-    ahead = f8_max(f8_mul(z[0], forward), f8_max(f8_mul(z[1], forward), f8_mul(z[2], forward)));
-    out = (f8_less(least, zero) & f8_less(zero, most) & f8_less(zero, size)) |
-          f8_at_most(ahead, zero);
-    out = ~out & ((1 << n) - 1);
-    if (out)
+    triangles8_shear(&at, r);
+    bits = triangles8_test(&at, n, r->sz, always);
+    if (bits)
         for (int k = 0; k < 3; k++) {
-            f8_store(v->lane[k][0], x[k]);
-            f8_store(v->lane[k][1], y[k]);
-            f8_store(v->lane[k][2], z[k]);
+            f8_store(v->lane[k][0], at.x[k]);
+            f8_store(v->lane[k][1], at.y[k]);
+            f8_store(v->lane[k][2], at.z[k]);
         }
-    return out;
+    return bits;
 }
 
 INLINE V3 triangle_lane(const float p[3][8], int k) { return v3(p[0][k], p[1][k], p[2][k]); }
@@ -210,6 +206,48 @@ INLINE bool triangle_block_accept(const TriangleBlock *b, int k, const Probe *r,
     v.c = triangle_lane(view->lane[2], k);
     return triangle_accept(triangle_lane(b->p[0], k), triangle_lane(b->p[1], k),
                            triangle_lane(b->p[2], k), &v, b->prim[k], r, h);
+}
+
+/* Up to four triangles of meshes against a ray, fetched on the way: *h as for triangle_nearest.
+ * prims has four entries, whatever n. The axes are put into the ray's order before rows are made of
+ * points: then nothing goes through memory but what is met. */
+INLINE void triangle_four_nearest(const Geometry *g, const uint32_t prims[4], int n,
+                                  const Probe *r, bool always, Hit *h)
+{
+    F4Axes axes = f4_axes(r->kx, r->ky, r->kz);
+    F4 o = f4(r->ox, r->oy, r->oz, 0.0f);
+    float lane[3][3][4];
+    triangles4_View at;
+    int bits;
+
+    for (int k = 0; k < 3; k++) {
+        F4 p[4], row[3];
+        for (int i = 0; i < 4; i++)
+            p[i] = f4_sub(f4_pick(f4_load_any(&g->p[g->tri[prims[i]].v[k]].x), axes), o);
+        f4_transpose(p[0], p[1], p[2], p[3], row);
+        at.x[k] = row[0];
+        at.y[k] = row[1];
+        at.z[k] = row[2];
+    }
+    triangles4_shear(&at, r);
+    bits = triangles4_test(&at, n, r->sz, always);
+    if (!bits)
+        return;
+    for (int k = 0; k < 3; k++) {
+        f4_store_any(lane[k][0], at.x[k]);
+        f4_store_any(lane[k][1], at.y[k]);
+        f4_store_any(lane[k][2], at.z[k]);
+    }
+    for (; bits; bits &= bits - 1) {
+        int i = LOWEST_BIT(bits);
+        TriangleView v;
+        V3 c[3];
+        geometry_corners(g, prims[i], c);
+        v.a = v3(lane[0][0][i], lane[0][1][i], lane[0][2][i]);
+        v.b = v3(lane[1][0][i], lane[1][1][i], lane[1][2][i]);
+        v.c = v3(lane[2][0][i], lane[2][1][i], lane[2][2][i]);
+        triangle_accept(c[0], c[1], c[2], &v, prims[i], r, h);
+    }
 }
 
 /* ---- one ---- */

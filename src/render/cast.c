@@ -3,6 +3,7 @@
  * Truth     A structure may put the triangles into another order, so they are not compared by their
  *           numbers, and of two with the same t either may be met: t must be the same float, and
  *           the triangle that is told must give this t when it is tested alone.
+ *           A tessellation and the list of its triangles are compared in the same way.
  * Fairness  Every build starts from the geometry as the file has it. Speeds are of CPU time of the
  *           one thread that casts, so that other work on the machine disturbs them less. */
 #include "render/cast.h"
@@ -16,23 +17,47 @@
 #define BUILD_SECONDS 1.0       /* a build is repeated for its median while all took less */
 #define BRUTE_TESTS   3e7       /* of primitives, a ray set, by brute: some tenths of a second */
 
+static size_t bytes_of(const Geometry *g)
+{
+    size_t bytes = g->ntris * sizeof(Tri) + g->nverts * sizeof(V3) + g->nodd * sizeof(Shape);
+
+    for (size_t k = 0; k < g->ntessellated; k++)
+        bytes += tessellation_bytes(g->shapes[g->tessellated[k]].as.tessellation);
+    return bytes;
+}
+
+/* Copies geometry k, and makes lists of its tessellations if any geometry has some. */
+static bool take_geometry(CastScene *c, size_t k)
+{
+    const Geometry *g = &c->scene->geometries[k];
+
+    if (!geometry_copy(&c->original[k], g) ||
+        (c->listed && (!geometry_copy(&c->listed[k], g) || !geometry_list(&c->listed[k]))))
+        return false;
+    g = c->listed ? &c->listed[k] : g;
+    c->tris += g->ntris;
+    c->prims += g->ntris + g->nodd;
+    c->verts += g->nverts;
+    c->bytes += bytes_of(g);
+    c->regular_bytes += bytes_of(&c->original[k]);
+    return true;
+}
+
 bool cast_init(CastScene *c, Scene *s, const char *name)
 {
+    size_t tessellations = 0;
     bool ok;
 
     memset(c, 0, sizeof *c);
     c->scene = s;
     c->name = name;
+    for (size_t k = 0; k < s->ngeometries; k++)
+        tessellations += s->geometries[k].ntessellated;
     c->original = MEM_ARRAY(Geometry, s->ngeometries);
-    ok = c->original != NULL;
-    for (size_t k = 0; ok && k < s->ngeometries; k++) {
-        const Geometry *g = &s->geometries[k];
-        ok = geometry_copy(&c->original[k], g);
-        c->tris += g->ntris;
-        c->prims += g->ntris + g->nodd;
-        c->verts += g->nverts;
-        c->bytes += g->ntris * sizeof(Tri) + g->nverts * sizeof(V3) + g->nodd * sizeof(Shape);
-    }
+    c->listed = tessellations ? MEM_ARRAY(Geometry, s->ngeometries) : NULL;
+    ok = c->original && (c->listed || !tessellations);
+    for (size_t k = 0; ok && k < s->ngeometries; k++)
+        ok = take_geometry(c, k);
     if (!ok)
         cast_clear(c);
     return ok;
@@ -42,7 +67,10 @@ void cast_clear(CastScene *c)
 {
     for (size_t k = 0; c->original && k < c->scene->ngeometries; k++)
         geometry_clear(&c->original[k]);
+    for (size_t k = 0; c->listed && k < c->scene->ngeometries; k++)
+        geometry_clear(&c->listed[k]);
     mem_free(c->original);
+    mem_free(c->listed);
     memset(c, 0, sizeof *c);
 }
 
@@ -60,21 +88,23 @@ CastConfig cast_default(void)
 /* ---- building ---- */
 
 /* A structure may have put triangles and vertices into another order. */
-static bool put_back(CastScene *c)
+static bool put_back(CastScene *c, const CastConfig *config)
 {
+    const Geometry *from = c->listed && !config->regular ? c->listed : c->original;
     bool ok = true;
 
     scene_drop_accels(c->scene);
     for (size_t k = 0; ok && k < c->scene->ngeometries; k++) {
         geometry_clear(&c->scene->geometries[k]);
-        ok = geometry_copy(&c->scene->geometries[k], &c->original[k]);
+        ok = geometry_copy(&c->scene->geometries[k], &from[k]);
     }
     return ok;
 }
 
 bool cast_build(CastScene *c, const CastConfig *config, int threads)
 {
-    return put_back(c) && scene_build_accels(c->scene, config->kind, &config->opts, threads);
+    return put_back(c, config) &&
+           scene_build_accels(c->scene, config->kind, &config->opts, threads);
 }
 
 /* Seconds of CPU time for one thread, by the wall for more. */
@@ -88,7 +118,7 @@ static bool time_build(CastScene *c, const CastConfig *config, int threads, int 
     do {
         double start;
         size_t before, peak;
-        if (!put_back(c))
+        if (!put_back(c, config))
             return false;
         before = mem_bytes();
         mem_peak_restart();

@@ -72,6 +72,8 @@ typedef struct {
     const AccelKind *kind;
     Opts opts;
     const char *text;           /* borrowed: "lbvh:bits=8" */
+    bool regular;               /* tessellations stay grids of points, under boxes of their own
+                                 * (accel/regular.h); else their triangles stand in a list */
 } CastConfig;
 
 /* A scene whose geometry can be had again as it came. */
@@ -79,8 +81,12 @@ typedef struct {
     Scene *scene;               /* borrowed */
     const char *name;           /* borrowed: for messages */
     Geometry *original;         /* owned: a copy of each geometry as it came */
-    uint64_t tris, prims, verts;        /* of all geometries; prims: also spheres, instances, ... */
-    size_t bytes;               /* of points, triangles and other primitives */
+    Geometry *listed;           /* owned: the same with tessellations as lists of triangles; NULL:
+                                 * there are no tessellations */
+    uint64_t tris, prims, verts;        /* of all geometries, tessellations too; prims: also
+                                         * spheres, instances, ... */
+    size_t bytes;               /* of points, triangles and other primitives, in lists */
+    size_t regular_bytes;       /* the same with tessellations as grids of points */
 } CastScene;
 
 bool cast_init(CastScene *c, Scene *s, const char *name);       /* false: memory, reported */

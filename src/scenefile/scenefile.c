@@ -48,8 +48,42 @@ static bool read_any(Reader *r, const char *path)
     return err_at((Place){ path, 0, 0 }, "a scene was expected: .pbrt, .obj or .ply");
 }
 
-/* text NULL: the file itself. */
-static bool read_with(SceneFile *f, const char *path, const char *text, size_t n,
+/* ---- a shape by its name ---- */
+
+bool scenefile_is_shape(const char *text)
+{
+    size_t n = strcspn(text, ":");
+
+    for (int k = 0; shape_readers[k]; k++) {
+        const char *name = shape_readers[k]->info.name;
+        if (strlen(name) == n && !memcmp(name, text, n))
+            return true;
+    }
+    return false;
+}
+
+static bool read_shape(Reader *r, const char *text)
+{
+    const Params none = { NULL, 0 };
+    Place at = { r->main_path, 0, 0 };
+    Opts o;
+    const ShapeReader *shape = kind_from_text(shape_readers, "shape", text, &o, &r->scene->arena);
+
+    return shape && (shape->read ? shape->read(r, at, &none, &o)
+                                 : err_at(at, "the shape is not supported"));
+}
+
+/* ---- any ---- */
+
+static bool read_text(Reader *r, const char *text, size_t n)
+{
+    return source_push(r, r->main_path, text, n) && parser_run(r);
+}
+
+/* What is at hand: a file, a text of the scene language, a shape's name. */
+typedef enum { FROM_FILE, FROM_TEXT, FROM_SHAPE } From;
+
+static bool read_with(SceneFile *f, const char *path, From from, const char *text, size_t n,
                       const ReadLimits *limits)
 {
     Reader *r = MEM_NEW(Reader);
@@ -57,9 +91,11 @@ static bool read_with(SceneFile *f, const char *path, const char *text, size_t n
 
     memset(f, 0, sizeof *f);
     f->scene = r ? scene_new() : NULL;
-    ok = f->scene && reader_init(r, f, path, limits) &&
-         (text ? source_push(r, r->main_path, text, n) && parser_run(r) : read_any(r, path)) &&
-         reader_finish(r);
+    ok = f->scene && reader_init(r, f, path, limits);
+    if (ok)
+        ok = from == FROM_FILE ? read_any(r, path) : from == FROM_TEXT ? read_text(r, text, n)
+                                                                       : read_shape(r, text);
+    ok = ok && reader_finish(r);
     if (r)
         reader_clear(r);
     mem_free(r);
@@ -73,13 +109,18 @@ static bool read_with(SceneFile *f, const char *path, const char *text, size_t n
 
 bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits)
 {
-    return read_with(f, path, NULL, 0, limits);
+    return read_with(f, path, FROM_FILE, NULL, 0, limits);
 }
 
 bool scenefile_parse(SceneFile *f, const char *path, const char *text, size_t n,
                      const ReadLimits *limits)
 {
-    return read_with(f, path, text, n, limits);
+    return read_with(f, path, FROM_TEXT, text, n, limits);
+}
+
+bool scenefile_shape(SceneFile *f, const char *text, const ReadLimits *limits)
+{
+    return read_with(f, text, FROM_SHAPE, text, 0, limits);
 }
 
 void scenefile_clear(SceneFile *f)

@@ -31,6 +31,11 @@ bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits);
  * it names. */
 bool scenefile_parse(SceneFile *f, const char *path, const char *text, size_t n,
                      const ReadLimits *limits);
+/* A scene of one shape of the scene language, as a command line has it: "name:key=value,...". Only
+ * those that are made by rule are of use. False: reported, as a usage error or as above. */
+bool scenefile_shape(SceneFile *f, const char *text, const ReadLimits *limits);
+/* Whether a text begins like one. */
+bool scenefile_is_shape(const char *text);
 void scenefile_clear(SceneFile *f);
 
 /* The shapes of the scene language, for `list`: each begins with a KindInfo. Ends with NULL. */

@@ -334,6 +334,8 @@ static const OptDef height_options[] = {
     { .key = "nu", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along u" },
     { .key = "nv", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along v" },
     SUBDIVISION, NUMBER_BITS,
+    { .key = "rule", .type = OPT_CHOICE, .str = "none", .choices = "none hills",
+      .help = "what makes the heights, if Pz does not" },
     { .key = "smooth", .type = OPT_BOOL, .help = "shaded as a surface, not as triangles" },
     { .key = NULL }
 };
