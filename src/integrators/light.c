@@ -10,6 +10,7 @@
  *             rays, so no connection has to begin on a lamp.
  * Misses      Whatever is seen in a mirror or through glass: no connection gets there, unless the
  *             glass is so thin that it lets rays pass.
+ * Seams       In pictures all around, a filter wider than a pixel does not reach over the edges.
  * Numbers     Particle number (sample index * pixels + pixel) of one sequence, so that lamps are
  *             covered as evenly as the sampler can, not only from pixel to pixel by chance. */
 #include "base/mem.h"
