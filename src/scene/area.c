@@ -8,9 +8,10 @@
  *             by area. Whole spheres, from outside: uniform in the cone they fill; else uniform by
  *             area.
  *             With sampling=solidangle, lamps of few triangles: see area_solid.c.
+ *             Rectangles with a picture can be asked for their points one by one, see
+ *             area_rectangle.c.
  * Masks       Of a shape that lets a part of the rays pass, points shine by what is left of it
  *             there, as the rays do that meet it. Its far side shows through: no cones then.
- * Emission    A point uniform by area, a direction in proportion to cos^(exponent + 1).
  * Invariants  pdf_w is the density of `sample` for every direction that meets the shape. */
 #include "sampling/warp.h"
 #include "scene/area.h"
@@ -108,6 +109,7 @@ static bool prepare(Light *base, const Scene *scene)
     l->mean = shining(l);
     l->L = rgb_scale(l->L, power_factor(l->power_wanted, power(base)));
     area_prepare_estimate(l);
+    area_prepare_rectangle(l);
     return true;
 }
 
@@ -118,9 +120,7 @@ static void clear(Light *base)
     mem_free(l->normals);
 }
 
-/* ---- points on shapes; each gives point, error, front normal, and (u, v) if it matters ---- */
-
-typedef struct { V3 p, err, n; V2 uv; } AreaPoint;
+/* ---- points on shapes ---- */
 
 static void point_of(Surface *sf, AreaPoint *s)
 {
@@ -147,6 +147,12 @@ static void point_on_triangle(const Area *l, uint32_t prim, float b1, float b2, 
     }
     geometry_point(g, prim, b1, b2, &s->p, &s->err);
     s->n = shape->flip ? v_neg(n) : n;
+}
+
+void area_on_triangle(const Area *l, uint32_t i, float b1, float b2, AreaPoint *at)
+{
+    at->uv = (V2){ 0, 0 };
+    point_on_triangle(l, lamp_triangle(shape_of(l), i), b1, b2, l->normals[i], at);
 }
 
 static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
@@ -228,8 +234,7 @@ static void point_on_disk(const Area *l, const Disk *d, V2 u, AreaPoint *s)
     point_on_round(l, d->centre, d->radius, d->frame.n, s);
 }
 
-/* Uniform by area. False: there is none. */
-static bool point_sample(const Area *l, V2 u, AreaPoint *s)
+bool area_point(const Area *l, V2 u, AreaPoint *s)
 {
     const Shape *shape = shape_of(l);
 
@@ -244,8 +249,7 @@ static bool point_sample(const Area *l, V2 u, AreaPoint *s)
     return false;
 }
 
-/* Radiance at (u, v) in a direction whose cosine with the normal is c > 0. */
-static Rgb emitted(const Area *l, V2 uv, float c)
+Rgb area_emitted(const Area *l, V2 uv, float c)
 {
     Rgb L = l->L;
 
@@ -258,8 +262,7 @@ static Rgb emitted(const Area *l, V2 uv, float c)
     return L;
 }
 
-/* The part of the shape that is there. */
-static Rgb masked(const Area *l, const AreaPoint *s, Rgb L)
+Rgb area_masked(const Area *l, const AreaPoint *s, Rgb L)
 {
     Surface at;
 
@@ -282,11 +285,11 @@ static Rgb shining(const Area *l)
     for (int i = 0; i < SIDE * SIDE; i++) {
         V2 u = { ((float)(i % SIDE) + 0.5f) / SIDE, ((float)(i / SIDE) + 0.5f) / SIDE };
         Surface s;
-        if (!point_sample(l, u, &at))
+        if (!area_point(l, u, &at))
             return rgb_all(0.0f);
         s = surface_at(at.p, at.err, at.n, at.uv);
         one = l->base.textured ? texture_eval(&l->picture, &s) : rgb_all(1.0f);
-        sum = rgb_add(sum, masked(l, &at, one));
+        sum = rgb_add(sum, area_masked(l, &at, one));
     }
     return rgb_scale(sum, 1.0f / (SIDE * SIDE));
 }
@@ -326,7 +329,7 @@ static void near_point(const Area *l, const Sphere *sp, V3 to_centre, LightSampl
     s->p = at.p;
     s->err = at.err;
     s->n = at.n;
-    s->L = emitted(l, at.uv, v_absdot(at.n, s->wi));
+    s->L = area_emitted(l, at.uv, v_absdot(at.n, s->wi));
     s->dist = (float)t;
 }
 
@@ -335,11 +338,31 @@ static bool front(const Area *l, const LightSample *s)
     return l->two_sided || v_dot(s->n, s->wi) < 0.0f;
 }
 
+bool area_seen(const Area *l, const AreaPoint *at, V3 from, LightSample *s)
+{
+    V3 d = v_sub(at->p, from);
+    float d2 = v_len2(d), cosine;
+
+    s->p = at->p;
+    s->err = at->err;
+    s->n = at->n;
+    if (!(d2 > 0.0f))
+        return false;
+    s->dist = sqrtf(d2);
+    s->wi = v_scale(d, 1.0f / s->dist);
+    cosine = v_absdot(s->n, s->wi);
+    if (!front(l, s) || !(cosine > 0.0f))
+        return false;
+    s->L = area_masked(l, at, area_emitted(l, at->uv, cosine));
+    s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
+    return is_finite(s->pdf_w);
+}
+
 static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     const Area *l = (const Area *)base;
     const Shape *shape = shape_of(l);
-    float d2, cosine, by_angle;
+    float d2, by_angle;
     AreaPoint at;
     V3 d;
 
@@ -354,25 +377,11 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
         }
     }
     if (!point_by_angle(l, from, u, &at, &by_angle) ||
-        (by_angle == 0.0f && !point_sample(l, u, &at)))
+        (by_angle == 0.0f && !area_point(l, u, &at)) || !area_seen(l, &at, from, s))
         return false;
-    s->p = at.p;
-    s->err = at.err;
-    s->n = at.n;
-    d = v_sub(s->p, from);
-    d2 = v_len2(d);
-    if (!(d2 > 0.0f))
-        return false;
-    s->dist = sqrtf(d2);
-    s->wi = v_scale(d, 1.0f / s->dist);
-    cosine = v_absdot(s->n, s->wi);
-    if (!front(l, s) || !(cosine > 0.0f))
-        return false;
-    s->L = masked(l, &at, emitted(l, at.uv, cosine));
-    s->pdf_w = d2 / (cosine * l->area);                 /* [Cline07 (4.6)] */
     if (by_angle > 0.0f)
         s->pdf_w = by_angle;
-    return is_finite(s->pdf_w);
+    return true;
 }
 
 static float pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
@@ -407,67 +416,7 @@ static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
 
     if (!l->two_sided && !(c > 0.0f))
         return rgb_all(0.0f);
-    return emitted(l, hit->uv, fabsf(c));
-}
-
-/* ---- emission ---- */
-
-static float direction_pdf(const Area *l, float c)
-{
-    float pdf = l->exponent > 0.0f
-                    ? (l->exponent + 2.0f) * 0.5f * INV_PI * m_pow(c, l->exponent + 1.0f)
-                    : warp_cosine_pdf(c);
-    return l->two_sided ? 0.5f * pdf : pdf;
-}
-
-/* About +z: cos^(exponent + 2) is uniform in u. */
-static V3 direction_about(const Area *l, V2 u)
-{
-    float c, sine, sn, cs;
-
-    if (!(l->exponent > 0.0f))
-        return warp_cosine(u);
-    c = m_pow(1.0f - u.x, 1.0f / (l->exponent + 2.0f));         /* u.x < 1: above 0 */
-    sine = sqrtf(f_max(0.0f, (1.0f - c) * (1.0f + c)));
-    m_sincos_turn(u.y, &sn, &cs);
-    return v3(sine * cs, sine * sn, c);
-}
-
-static bool emit(const Light *base, V2 u, V2 v, Emission *e)
-{
-    const Area *l = (const Area *)base;
-    bool back = l->two_sided && v.x >= 0.5f;
-    Frame f;
-    AreaPoint at;
-
-    if (!(l->area > 0.0f) || !point_sample(l, u, &at))
-        return false;
-    if (l->two_sided)
-        v.x = back ? 2.0f * v.x - 1.0f : 2.0f * v.x;
-    e->p = at.p;
-    e->err = at.err;
-    e->uv = at.uv;
-    e->n = back ? v_neg(at.n) : at.n;
-    f = frame_about(e->n);
-    e->d = v_unit(frame_out(&f, direction_about(l, v)));
-    e->cosine = v_dot(e->n, e->d);
-    if (!(e->cosine > 0.0f))
-        return false;
-    e->L = masked(l, &at, emitted(l, at.uv, e->cosine));
-    e->pdf_a = 1.0f / l->area;
-    e->pdf_w = direction_pdf(l, e->cosine);
-    return e->pdf_w > 0.0f;
-}
-
-static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf_w)
-{
-    const Area *l = (const Area *)base;
-    float c = v_dot(hit->ng, d);
-
-    if (l->two_sided)
-        c = fabsf(c);
-    *pdf_a = l->area > 0.0f ? 1.0f / l->area : 0.0f;
-    *pdf_w = c > 0.0f ? direction_pdf(l, c) : 0.0f;
+    return area_emitted(l, hit->uv, fabsf(c));
 }
 
 static const OptDef options[] = {
@@ -491,6 +440,6 @@ const LightKind light_diffuse = {
     .info = { "diffuse", "Cline07 4.4.2; Shirley96; GIRT B",
               "a shape that shines (AreaLightSource)", options },
     .make = make, .prepare = prepare, .clear = clear, .sample = sample, .pdf_w = pdf_w,
-    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = area_estimate
+    .radiance = radiance, .emit = area_emit, .emit_pdf = area_emit_pdf,
+    .power = power, .estimate = area_estimate, .places = &area_places
 };

@@ -22,6 +22,10 @@ typedef struct {
     float power_wanted;         /* by luminance; 0: L is as given */
     V3    centre, axis;         /* of a ball around it; its one normal if it is flat, else 0 */
     float radius, lum;          /* of the ball; mean luminance along the normal */
+    bool  is_rectangle;         /* two triangles make one, with a picture: */
+    LightRectangle rectangle;
+    int   first[2];             /* of each: the corner that it does not share, */
+    bool  turned;               /* and whether those of the second go the other way round */
 } Area;
 
 INLINE const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
@@ -35,9 +39,30 @@ INLINE uint32_t lamp_triangle(const Shape *s, size_t i)
     return s->first + (s->place ? s->place[i] : (uint32_t)i);
 }
 
+/* A point with its error, the front's normal, and (u, v) if it matters. */
+typedef struct { V3 p, err, n; V2 uv; } AreaPoint;
+/* Uniform by area. False: there is none. */
+bool  area_point(const Area *l, V2 u, AreaPoint *s);
+/* Radiance at (u, v) in a direction whose cosine with the normal is c > 0. */
+Rgb   area_emitted(const Area *l, V2 uv, float c);
+/* The part of the shape that is there. */
+Rgb   area_masked(const Area *l, const AreaPoint *s, Rgb L);
+
+/* The point of its i-th triangle with weights b1 and b2 of the second and third corner. */
+void  area_on_triangle(const Area *l, uint32_t i, float b1, float b2, AreaPoint *at);
+/* As seen from a point, with the density of points drawn uniform by area. False: no light comes. */
+bool  area_seen(const Area *l, const AreaPoint *at, V3 from, LightSample *s);
+
+bool  area_emit(const Light *base, V2 u, V2 v, Emission *e);
+void  area_emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf_w);
 /* Its ball, its one normal, its luminance: after all else is prepared. */
 void  area_prepare_estimate(Area *l);
 float area_estimate(const Light *base, V3 p, V3 n);
+
+/* ---- rectangles, see area_rectangle.c ---- */
+
+void  area_prepare_rectangle(Area *l);          /* after all else is prepared */
+extern const LightPlaces area_places;
 
 /* ---- triangles by the solid angle that they fill, see area_solid.c ---- */
 

@@ -198,7 +198,7 @@ static LightPicture picture(const Light *base)
 {
     const Infinite *l = (const Infinite *)base;
     return (LightPicture){ l->image, l->mapping.kind == MAPPING_LATLONG, l->L, l->to_light,
-                           l->to_world };
+                           l->to_world, NULL, NULL };
 }
 
 /* ---- the sky of a bare mesh ---- */

@@ -123,7 +123,28 @@ typedef struct {
     bool latlong;               /* the picture goes by longitude and latitude, see panorama.h */
     Rgb  L;                     /* factor of the picture */
     Affine to_light, to_world;  /* directions */
+    /* NULL: the picture says all. Else it is but a guide, of about this radiance, */
+    Rgb (*shows)(const Light *l, V3 wi);
+    Light *beside;              /* and of what it leaves out this is a light; NULL: there is none */
 } LightPicture;
+
+/* A parallelogram that shines by a picture: places are of the unit square, (x, y) is the point
+ * corner + x side[0] + y side[1]. */
+typedef struct {
+    V3   corner, side[2];
+    V3   n;                     /* unit; the front's */
+    bool both;                  /* its back may shine too */
+    float exponent;             /* its light goes by this power of the cosine */
+    uint32_t pixels[2];         /* that the picture has along the sides, about */
+} LightRectangle;
+
+/* What such a light can be asked. `rectangle` gives false: it is none, ask no more. */
+typedef struct {
+    bool (*rectangle)(const Light *l, LightRectangle *r);
+    Rgb  (*shows)(const Light *l, V2 place);    /* radiance along the normal */
+    /* As a light's sample; pdf_w: of places drawn all alike. False: no light from there. */
+    bool (*seen)(const Light *l, V2 place, V3 from, LightSample *s);
+} LightPlaces;
 
 /* Of `hit`, a point of the light, its functions look at p, ng (the front) and uv; lights without a
  * surface are given NULL. surface_at makes one of a LightSample or an Emission. */
@@ -159,6 +180,7 @@ typedef struct {
     float (*estimate)(const Light *l, V3 p, V3 n);
     /* Lights beyond the scene. NULL: it is no picture, but what radiance() says. */
     LightPicture (*picture)(const Light *l);
+    const LightPlaces *places;  /* NULL: none is a rectangle */
 } LightKind;
 
 struct Light {                  /* first member of every concrete light */
