@@ -166,22 +166,35 @@ uint32_t lab_mesh(Lab *l, Mesh *m, uint32_t material, bool flip)
     return shape;
 }
 
-uint32_t lab_quad(Lab *l, V3 corner, V3 a, V3 b, uint32_t material)
+static uint32_t quad(Lab *l, V3 corner, V3 a, V3 b, uint32_t material, bool uv)
 {
     Mesh m = { 0 };
 
     m.p = MEM_ARRAY(V3, 4);
     m.tri = MEM_ARRAY(Tri, 2);
-    REQUIRE(m.p && m.tri, "memory");
+    m.uv = uv ? MEM_ARRAY(V2, 4) : NULL;
+    REQUIRE(m.p && m.tri && (m.uv || !uv), "memory");
     m.nverts = 4;
     m.ntris = 2;
     m.p[0] = corner;
     m.p[1] = v_add(corner, a);
     m.p[2] = v_add(m.p[1], b);
     m.p[3] = v_add(corner, b);
+    for (int i = 0; uv && i < 4; i++)
+        m.uv[i] = (V2){ i == 1 || i == 2, i >= 2 };
     m.tri[0] = (Tri){ { 0, 1, 2 } };
     m.tri[1] = (Tri){ { 0, 2, 3 } };
     return lab_mesh(l, &m, material, false);
+}
+
+uint32_t lab_quad(Lab *l, V3 corner, V3 a, V3 b, uint32_t material)
+{
+    return quad(l, corner, a, b, material, false);
+}
+
+uint32_t lab_screen(Lab *l, V3 corner, V3 a, V3 b, uint32_t material)
+{
+    return quad(l, corner, a, b, material, true);
 }
 
 uint32_t lab_zone(Lab *l, V3 centre, float radius, float zmin, float zmax, uint32_t material,
@@ -254,31 +267,50 @@ uint32_t lab_shine(Lab *l, uint32_t shape, const char *options)
     return index;
 }
 
-/* The picture is given to the scene under a name, as if it had been read from a file. */
 uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t)
 {
     return lab_sky_as(l, w, h, f, t, "scale=1");
 }
 
-uint32_t lab_sky_as(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t,
-                    const char *options)
+/* An empty picture, given to the scene under a name, as if it had been read from a file. */
+static SceneImage *new_picture(Lab *l, uint32_t w, uint32_t h)
 {
     Scene *s = l->scene;
     SceneImage *im = MEM_NEW(SceneImage);
-    char name[40], option[200];
+    char name[40];
 
-    snprintf(name, sizeof name, "sky %lu", (unsigned long)s->nimages);
+    snprintf(name, sizeof name, "picture %lu", (unsigned long)s->nimages);
     REQUIRE(im && image_init(&im->image, w, h), "memory");
     im->path = arena_string(&s->arena, name, strlen(name));
+    REQUIRE(MEM_PUSH(s->images, s->nimages, s->cap_images, im), "memory");
+    return im;
+}
+
+uint32_t lab_sky_as(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t,
+                    const char *options)
+{
+    SceneImage *im = new_picture(l, w, h);
+    char option[200];
+
     for (uint32_t y = 0; y < h; y++)
         for (uint32_t x = 0; x < w; x++) {
             double theta = PI * (y + 0.5) / h, phi = 2 * PI * (x + 0.5) / w, st = md_sin(theta);
             V3 d = v3((float)(st * md_cos(phi)), (float)(st * md_sin(phi)), (float)md_cos(theta));
             *image_at(&im->image, x, y) = f(d);
         }
-    REQUIRE(MEM_PUSH(s->images, s->nimages, s->cap_images, im), "memory");
-    snprintf(option, sizeof option, "filename=%s,%s", name, options);
+    snprintf(option, sizeof option, "filename=%s,%s", im->path, options);
     return lab_light(l, "infinite", option, t);
+}
+
+const char *lab_picture(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(float x, float y))
+{
+    SceneImage *im = new_picture(l, w, h);
+
+    for (uint32_t y = 0; y < h; y++)
+        for (uint32_t x = 0; x < w; x++)
+            *image_at(&im->image, x, y) = f(((float)x + 0.5f) / (float)w,
+                                            ((float)y + 0.5f) / (float)h);
+    return im->path;
 }
 
 void lab_build(Lab *l)

@@ -51,6 +51,8 @@ void     lab_clear(Lab *l);
 uint32_t lab_material(Lab *l, const char *kind, const char *options);   /* "a=1,b=1/0.5/0" */
 uint32_t lab_mesh(Lab *l, Mesh *m, uint32_t material, bool flip);       /* its shape; takes m */
 uint32_t lab_quad(Lab *l, V3 corner, V3 a, V3 b, uint32_t material);    /* front along a x b */
+/* The same with u along a, v along b. */
+uint32_t lab_screen(Lab *l, V3 corner, V3 a, V3 b, uint32_t material);
 /* Zones of a sphere lie between zmin and zmax from the centre; the whole one has radius 1 times. */
 uint32_t lab_sphere(Lab *l, V3 centre, float radius, uint32_t material, bool flip);
 uint32_t lab_zone(Lab *l, V3 centre, float radius, float zmin, float zmax, uint32_t material,
@@ -63,6 +65,9 @@ uint32_t lab_shine(Lab *l, uint32_t shape, const char *options);        /* the s
 uint32_t lab_sky(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t);
 uint32_t lab_sky_as(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(V3 w), const Transform *t,
                     const char *options);
+/* A picture of w x h pixels for lights to name: f at their middles, x to the right, y down from the
+ * top, each in [0, 1]. The text is kept by l. */
+const char *lab_picture(Lab *l, uint32_t w, uint32_t h, Rgb (*f)(float x, float y));
 void     lab_build(Lab *l);
 /* "name:key=value,..." of an integrator, or options of `path` alone. */
 const IntegratorKind *lab_method(Lab *l, const char *text, Opts *o);

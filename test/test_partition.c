@@ -40,7 +40,7 @@ static void sky_make(Setting *p, const Sky *sky, const Transform *t)
     lab_sky_as(&p->lab, sky->w, sky->h, sky->f, t, sky->options);
     lab_build(&p->lab);
     REQUIRE(skymap_light(p->lab.scene) == p->lab.scene->lights[0], "the light of the map");
-    REQUIRE(skymap_init(&p->map, p->lab.scene->lights[0]), "%s", sky->name);
+    REQUIRE(skymap_init(&p->map, p->lab.scene->lights[0], BY_LUMINANCE), "%s", sky->name);
 }
 
 static void sky_clear(Setting *p)

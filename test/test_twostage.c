@@ -10,40 +10,16 @@
 #include "sampling/warp.h"
 #include "test/chi2.h"
 #include "test/partition_help.h"
-#include "test/pictures.h"
+#include "test/twostage_help.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum { SIDE = 32 };
 
-typedef struct { const char *method; uint32_t spp; double delta; } Way;
-
-static void expect_agreement(Lab *l, const char *truth, uint32_t spp, const Way *way,
-                             const char *where)
-{
-    Series first, other;
-
-    messages_quiet(true);
-    series_render(l, &first, truth, SIDE, spp, 300);
-    for (uint64_t i = 0; way[i].method; i++) {
-        char what[160];
-        snprintf(what, sizeof what, "%s: %s", where, way[i].method);
-        series_render(l, &other, way[i].method, SIDE, way[i].spp, 301 + i);
-        series_expect_same(&other, &first, way[i].delta, what);
-        series_clear(&other);
-    }
-    series_clear(&first);
-}
-
 /* ---- skies ---- */
 
 static Rgb constant(V3 w) { (void)w; return rgb(0.5f, 0.6f, 0.8f); }
-static Rgb cloudy(V3 w)
-{
-    float c = f_max(0, 0.58f * w.x - 0.58f * w.y + 0.58f * w.z), bright = f_sqr(f_sqr(c));
-    return rgb_scale(rgb(0.5f, 0.7f, 1), w.z > 0 ? 0.5f + 3 * bright : 0.05f);
-}
 static Rgb half_black(V3 w) { return rgb_all(w.x > 0.0f ? 1.0f + 0.5f * w.z : 0.0f); }
 static Rgb one_bright(V3 w)
 {
@@ -52,27 +28,13 @@ static Rgb one_bright(V3 w)
 
 typedef struct { const char *name; uint32_t w, h; Rgb (*f)(V3 w); const char *options; } Sky;
 static const Sky skies[] = {
-    { "cloudy", 64, 32, cloudy, "" },
+    { "cloudy", 64, 32, sky_cloudy, "" },
     { "1 x 1", 1, 1, constant, "mapping=latlong" },
     { "half black", 40, 20, half_black, "" },
     { "one bright", 48, 24, one_bright, "" },
-    { "octahedral", 32, 32, cloudy, "mapping=octahedral" },
+    { "octahedral", 32, 32, sky_cloudy, "mapping=octahedral" },
 };
 enum { NSKIES = sizeof skies / sizeof *skies };
-
-/* A glossy floor, a matt ball and a bright one; `covered`: and a screen that hides some sky. */
-static void add_things(Lab *l, bool covered)
-{
-    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0),
-             lab_material(l, "phong", "reflectance=0.4/0.3/0.2,specular=0.4,exponent=30"));
-    lab_sphere(l, v3(-0.7f, 0.2f, 0.6f), 0.6f, lab_material(l, "conductor", "roughness=0.3"),
-               false);
-    if (!covered)
-        return;
-    lab_sphere(l, v3(0.8f, -0.3f, 0.5f), 0.5f, lab_material(l, "orennayar", "sigma=30"), false);
-    lab_quad(l, v3(-2, 1, 0), v3(4, 0, 0), v3(0, 0, 1.5f),
-             lab_material(l, "diffuse", "reflectance=0.6"));
-}
 
 static void all_skies(void)
 {
@@ -91,7 +53,7 @@ static void all_skies(void)
         lab_sky_as(&l, skies[k].w, skies[k].h, skies[k].f, k == 0 ? &a : &b, skies[k].options);
         lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
         lab_build(&l);
-        expect_agreement(&l, "direct:strategy=mis,lightsamples=4,bsdfsamples=4", 4, ways,
+        ways_agree(&l, SIDE, "direct:strategy=mis,lightsamples=4,bsdfsamples=4", 4, ways,
                          skies[k].name);
         lab_clear(&l);
     }
@@ -106,7 +68,7 @@ static void large(void)
         { NULL, 0, 0 }
     };
     static const struct { uint32_t w, h; Rgb (*f)(V3 w); } sky[] = {
-        { 4096, 2048, one_bright }, { 4500, 2250, cloudy }
+        { 4096, 2048, one_bright }, { 4500, 2250, sky_cloudy }
     };
 
     for (int k = 0; k < 2; k++) {
@@ -116,7 +78,7 @@ static void large(void)
         lab_sky(&l, sky[k].w, sky[k].h, sky[k].f, NULL);
         lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
         lab_build(&l);
-        expect_agreement(&l, "direct:strategy=mis,lightsamples=8,bsdfsamples=8", 8, ways,
+        ways_agree(&l, SIDE, "direct:strategy=mis,lightsamples=8,bsdfsamples=8", 8, ways,
                          "large");
         lab_clear(&l);
     }
@@ -146,12 +108,12 @@ static void surfaces(void)
     lab_sphere(&l, v3(-0.7f, 0, 0.6f), 0.6f, glass, false);
     lab_quad(&l, v3(0, -0.5f, 0), v3(1.4f, 0.5f, 0), v3(0, 0.2f, 1.2f), paper);
     lab_quad(&l, v3(0.2f, -1.2f, 0), v3(1, 0.2f, 0), v3(0, 0, 0.8f), mixed);
-    lab_sky(&l, 64, 32, cloudy, NULL);
+    lab_sky(&l, 64, 32, sky_cloudy, NULL);
     lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
     lab_build(&l);
-    expect_agreement(&l, "direct:strategy=mis,lightsamples=4,bsdfsamples=4,maxdepth=3", 8, ways,
+    ways_agree(&l, SIDE, "direct:strategy=mis,lightsamples=4,bsdfsamples=4,maxdepth=3", 8, ways,
                      "surfaces");
-    expect_agreement(&l, "path:maxdepth=3", 16, paths, "surfaces");
+    ways_agree(&l, SIDE, "path:maxdepth=3", 16, paths, "surfaces");
     lab_clear(&l);
 }
 
@@ -184,7 +146,7 @@ static void others(void)
         add_things(&l, true);
         add_lamps(&l);
         if (k != 2)
-            lab_sky(&l, 32, 16, cloudy, NULL);
+            lab_sky(&l, 32, 16, sky_cloudy, NULL);
         if (k == 1)
             lab_light(&l, "infinite", "L=0.4/0.3/0.2", NULL);
         if (k == 3) {
@@ -193,7 +155,7 @@ static void others(void)
         }
         lab_camera(&l, v3(0, -4, 2), v3(0, 0, 0.5f), 45, "");
         lab_build(&l);
-        expect_agreement(&l, "path:maxdepth=1", 16, k == 3 ? ways + 3 : ways, name[k]);
+        ways_agree(&l, SIDE, "path:maxdepth=1", 16, k == 3 ? ways + 3 : ways, name[k]);
         lab_clear(&l);
     }
 }
@@ -244,7 +206,7 @@ static void pays(void)
     lab_init(&l);
     lab_quad(&l, v3(-4, -5, 0), v3(10, 0, 0), v3(0, 10, 0),
              lab_material(&l, "phong", "reflectance=0.2,specular=0.7,exponent=100"));
-    lab_sky(&l, 128, 64, cloudy, NULL);
+    lab_sky(&l, 128, 64, sky_cloudy, NULL);
     lab_build(&l);
     for (int i = 0; i < 2; i++) {
         Meter m;

@@ -186,9 +186,9 @@ static const OptDef options[] = {
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
       .choices = "uniform brdf light mis ris twostage triple cut sir",
       .help = "directions all alike, by the surface, by lights, by both; resampled; twostage: of "
-              "the sky by its product with the surface, of other lights as mis (all of them, if "
-              "there is no picture or constant beyond the scene); triple: the same with maps of "
-              "what hides the sky; cut: by point lights in clusters; sir: those resampled" },
+              "the sky, and of rectangles with pictures, by their product with the surface, of "
+              "other lights as mis; triple: the same with maps of what hides the sky; cut: "
+              "by point lights in clusters; sir: those resampled" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "samples of lights at each point (light, mis; twostage: of those beside the sky)" },
     { .key = "bsdfsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
@@ -205,10 +205,11 @@ static const OptDef options[] = {
     { .key = "tentative", .type = OPT_INT, .num = 64, .lo = 1, .hi = SIR_MOST,
       .help = "ris, sir: samples without shadow rays; of ris at most 256" },
     { .key = "samples", .type = OPT_INT, .num = 8, .lo = 1, .hi = SIR_MOST,
-      .help = "ris, sir: how many of them are kept; twostage: directions to the sky; cut: point "
-              "lights chosen" },
+      .help = "ris, sir: how many of them are kept; twostage: directions to the sky, points of "
+              "each lamp with a picture; cut: point lights chosen" },
     TWOSTAGE_SPLITS(0),
     TWOSTAGE_PEAKS,
+    TWOSTAGE_F,
     { .key = "lightshare", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 1,
       .help = "ris: part of the tentative samples that go by lights, the others by the surface" },
     { .key = "points", .type = OPT_INT, .num = 32768, .lo = 1, .hi = 1 << 24,

@@ -257,6 +257,10 @@ static bool open_triple(Direct *it, const Opts *o)
 
     if (!own)
         return false;
+    if (opt_is(o, "f", "colour")) {
+        mem_free(own);
+        return err_usage("direct: f=colour goes with strategy=twostage, not with triple");
+    }
     own->world = opt_is(o, "space", "world");
     own->biased = opt_bool(o, "biased");
     own->lazy = opt_bool(o, "lazy");

@@ -1,13 +1,14 @@
 /* direct_twostage.c -- direct light by two stage importance sampling: of the sky, directions in
- * proportion to the product of its light and what the surface makes of it; of other lights, by
- * multiple importance sampling.
+ * proportion to the product of its light and what the surface makes of it; of lamps that are
+ * rectangles with pictures, points in proportion to that; of other lights, by multiple importance
+ * sampling.
  *
  * Source      [Cline07 5]; see lightsampling/partition.h.
  * Points      Hammersley's, moved round the unit square by chance [Cline07 5.4]: for each turn its
  *             own. They keep their strata on the way down the tree, so that there is the less noise
  *             the closer the partition comes to the product.
- * Fallback    Where no light beyond the scene is a picture or a constant, all is as strategy=mis
- *             has it. */
+ * Fallback    Where no light has a map, all is as strategy=mis has it. The sun of a `sky` is one
+ *             of the other lights. */
 #include "integrators/direct_twostage.h"
 
 #include "base/mem.h"
@@ -34,18 +35,9 @@ extern const DirectStrategy direct_mis;
 
 Rgb skyrest_others(const SkyAndRest *own, const Turn *u, Tracer *t)
 {
-    return own->two.any ? direct_mis.light(&own->rest, u, t) : rgb_all(0.0f);
-}
+    Rgb sum = twostage_asked_light(&own->two, u, own->samples, t);
 
-static float moved(float x, float by)
-{
-    x += by;
-    return f_min(x < 1.0f ? x : x - 1.0f, ONE_MINUS_ULP);
-}
-
-V2 hammersley_moved(uint32_t i, uint32_t n, V2 by)
-{
-    return (V2){ moved((float)i / (float)n, by.x), moved(unit_of(reverse_bits(i)), by.y) };
+    return own->two.any ? rgb_add(sum, direct_mis.light(&own->rest, u, t)) : sum;
 }
 
 /* ---- the strategy ---- */
@@ -78,7 +70,7 @@ static Rgb sky(const SkyAndRest *own, const Turn *u, Tracer *t)
     V2 by, point[GROUP];
     Partition p;
 
-    if (!own->two.light || !twostage_partition(&own->two, u, own->samples, t, &p))
+    if (!twostage_partition(&own->two, u, own->samples, t, &p))
         return sum;
     by = sample_2d(&t->sampler, DECISION(DECIDE_SKY, u->at));
     for (int first = 0, some; first < own->samples; first += some) {

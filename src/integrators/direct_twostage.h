@@ -14,10 +14,7 @@ typedef struct {
 
 bool skyrest_init(SkyAndRest *own, const Direct *it, const Opts *o);    /* false: reported */
 void skyrest_clear(SkyAndRest *own);
-/* The light that the turn scatters, but for that of the sky. */
+/* The light that the turn scatters, but for that of the sky by luminance. */
 Rgb  skyrest_others(const SkyAndRest *own, const Turn *u, Tracer *t);
-
-/* Point i of Hammersley's n, moved round the unit square. */
-V2 hammersley_moved(uint32_t i, uint32_t n, V2 by);
 
 #endif

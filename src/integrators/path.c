@@ -7,8 +7,8 @@
  *             two densities per solid angle, so that the weights of a path sum to 1. Or one
  *             connection is kept of many candidates by both ways, see resample.c, and implicit
  *             paths count only where there was none to make: after delta events. Or the sky has a
- *             connection of its own at each vertex, see twostage.h, and is met only after delta
- *             events; other lights go by both ways then.
+ *             connection of its own at each vertex, see twostage.h, and so have lamps with
+ *             pictures: they are met only after delta events; other lights go by both ways then.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -62,7 +62,7 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
         return e->glint;        /* no other way could have made it */
     if (it->ways == IMPLICIT)
         return 1.0f;
-    if (it->ways == EXPLICIT || (it->maps && l == it->two.light))
+    if (it->ways == EXPLICIT || (it->maps && twostage_asks(&it->two, l)))
         return 0.0f;
     pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
           light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
@@ -87,8 +87,13 @@ static Rgb implicit_sky(const Path *it, const Eye *e, Tracer *t)
     const Scene *s = it->base.scene;
     Rgb sum = rgb_all(0.0f);
 
-    for (size_t i = 0; i < s->ninfinite; i++)
-        sum = rgb_add(sum, implicit_light(it, e, s->infinite[i], NULL, t));
+    for (size_t i = 0; i < s->ninfinite; i++) {
+        const Light *l = s->infinite[i];
+        if (it->maps && e->pdf_w > 0.0f && l == it->two.light)
+            l = it->two.remainder;            /* the rest of it was asked for */
+        if (l)
+            sum = rgb_add(sum, implicit_light(it, e, l, NULL, t));
+    }
     return sum;
 }
 
@@ -231,6 +236,31 @@ static bool connect_to_sky(const Path *it, const Eye *e, const Vertex *v, V3 p, 
     return true;
 }
 
+/* Light that the connection brings. */
+static Rgb connection_light(Connection *to, Tracer *t)
+{
+    if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
+        return rgb_all(0.0f);
+    tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
+    return to->c;
+}
+
+/* Lamps with pictures, and the sky by colour: each has a connection. */
+static Rgb asked(const Path *it, const Eye *e, const Vertex *v, V3 p, Tracer *t)
+{
+    Turn u = turn_of(it, e, v, p);
+    Rgb sum = rgb_all(0.0f);
+    Candidate c;
+
+    for (int k = 0; k < it->two.nasked; k++)
+        if (twostage_asked_candidate(&it->two, k, &u, t, &c)) {
+            Connection to = { c.ray, rgb_mul(e->beam.throughput, c.c), e->beam.depth + 2, c.medium,
+                              false };
+            sum = rgb_add(sum, connection_light(&to, t));
+        }
+    return sum;
+}
+
 /* ---- implicit paths ---- */
 
 /* What deltas bring by directions that the path does not take. */
@@ -275,15 +305,6 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
     return beam_survives(&e->beam, it->roulette, t);
 }
 
-/* Light that the connection brings. */
-static Rgb connection_light(Connection *to, Tracer *t)
-{
-    if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
-        return rgb_all(0.0f);
-    tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
-    return to->c;
-}
-
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
@@ -311,10 +332,14 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             if (it->glints.n > 1 && vertex_is_smooth(&v))
                 sum = rgb_add(sum, glints(it, &e, &v, t));
             shows_sky = it->maps && vertex_is_smooth(&v) && connect_to_sky(it, &e, &v, p, t, &sky);
+            if (it->two.nasked && vertex_is_smooth(&v))
+                sum = rgb_add(sum, asked(it, &e, &v, p, t));
             goes_on = scatter(it, &e, &v, t);
         } else {
             connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
             shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
+            if (it->two.nasked)
+                sum = rgb_add(sum, asked(it, &e, NULL, p, t));
             goes_on = scatter_in_medium(it, &e, p, t);
         }
         if (connects)
@@ -336,14 +361,14 @@ static void close_path(Integrator *base)
     mem_free(it);
 }
 
-/* By the light's map, if there is a light that has one. */
+/* By lights' maps, if there are lights that have some. */
 static bool open_map(Path *it, const Scene *s, const Opts *o)
 {
     if (!opt_is(o, "strategy", "twostage"))
         return true;
     if (!twostage_init(&it->two, s, o, false))
         return false;
-    it->maps = it->two.light != NULL;
+    it->maps = it->two.light || it->two.nasked;
     it->lights = it->two.others.lights;
     return true;
 }
@@ -382,8 +407,8 @@ static const OptDef options[] = {
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
       .choices = "implicit explicit mis ris twostage",
       .help = "how paths are completed: by meeting lights, by asking for them, by both; by one of "
-              "many candidates; twostage: asking the sky by its product with the surface, other "
-              "lights as mis (all of them, if no picture or constant is beyond the scene)" },
+              "many candidates; twostage: asking the sky, and rectangles with pictures, by their "
+              "product with the surface, other lights as mis" },
     LIGHTING_HEURISTIC,
     LIGHTING_SKY,
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
@@ -398,6 +423,7 @@ static const OptDef options[] = {
       .help = "strategy=ris: part of the candidates that go by lights, the others by the surface" },
     TWOSTAGE_SPLITS(16),
     TWOSTAGE_PEAKS,
+    TWOSTAGE_F,
     { .key = NULL }
 };
 

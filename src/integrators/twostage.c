@@ -5,7 +5,7 @@
 
 /* ---- the other lights ---- */
 
-/* Stands for the map's light in the list of the others, so that they keep their numbers. */
+/* Stands for lights with maps in the list of the others, so that they keep their numbers. */
 static bool dark_sample(const Light *l, V3 from, V2 u, LightSample *s)
 {
     (void)l;
@@ -33,6 +33,9 @@ static const LightKind dark_kind = {
 
 static bool leave_out(TwoStage *it, const Scene *s)
 {
+    Light *remainder = it->light ? it->light->kind->picture(it->light).remainder : NULL;
+
+    it->remainder = remainder;
     it->rest = *s;
     it->dark.kind = &dark_kind;
     it->rest.lights = MEM_ARRAY(Light *, s->nlights);
@@ -40,15 +43,18 @@ static bool leave_out(TwoStage *it, const Scene *s)
     if (!it->rest.lights || !it->rest.infinite)
         return false;
     for (size_t i = 0; i < s->nlights; i++) {
-        bool other = s->lights[i] != it->light;
-        it->rest.lights[i] = other ? s->lights[i] : &it->dark;
+        Light *l = s->lights[i] == it->light && it->remainder ? remainder : s->lights[i];
+        bool other = !twostage_asks(it, l);
+        it->rest.lights[i] = other ? l : &it->dark;
         it->any |= other;
-        it->lamps |= other && !s->lights[i]->kind->delta;
+        it->lamps |= other && !l->kind->delta;
     }
     it->rest.ninfinite = 0;
-    for (size_t i = 0; i < s->ninfinite; i++)
-        if (s->infinite[i] != it->light)
-            it->rest.infinite[it->rest.ninfinite++] = s->infinite[i];
+    for (size_t i = 0; i < s->ninfinite; i++) {
+        const Light *l = s->infinite[i] == it->light ? it->remainder : s->infinite[i];
+        if (l)
+            it->rest.infinite[it->rest.ninfinite++] = l;
+    }
     return true;
 }
 
@@ -57,8 +63,10 @@ bool twostage_init(TwoStage *it, const Scene *s, const Opts *o, bool directions)
     memset(it, 0, sizeof *it);
     it->splits = (int)opt_int(o, "splits");
     it->sampled = opt_is(o, "peaks", "sampled");
+    it->colour = opt_is(o, "f", "colour");
     it->light = skymap_light(s);
-    if (leave_out(it, s) && (!it->light || skymap_init(&it->map, it->light)) &&
+    if (twostage_find_asked(it, s) && leave_out(it, s) &&
+        (!it->light || it->colour || skymap_init(&it->map, it->light, BY_LUMINANCE)) &&
         lighting_init(&it->others, &it->rest, o, false, directions))
         return true;
     twostage_clear(it);
@@ -69,6 +77,9 @@ void twostage_clear(TwoStage *it)
 {
     lighting_clear(&it->others);
     skymap_clear(&it->map);
+    for (int k = 0; k < it->nasked; k++)
+        lightmap_clear(&it->asked[k]);
+    it->nasked = 0;
     mem_free(it->rest.lights);
     mem_free(it->rest.infinite);
     it->rest.lights = NULL;
@@ -83,7 +94,7 @@ static float factor(const void *of, V3 wi)
     return turn_f_cos(of, wi, &f_cos, NULL) ? rgb_lum(f_cos) : 0.0f;
 }
 
-static int known_peaks(const Turn *u, V3 peak[16])
+static int known_peaks(const Turn *u, V3 *peak)
 {
     int n;
 
@@ -97,17 +108,15 @@ static int known_peaks(const Turn *u, V3 peak[16])
     return n;
 }
 
-enum { TRIES = 128 };
-
 /* [Cline07 5.2.2]: a quarter as many as there will be samples. They are drawn by numbers of their
  * own: what the partition is must not depend on the points that it will warp. */
-static int sampled_peaks(const Turn *u, int samples, Tracer *t, V3 peak[TRIES])
+static int sampled_peaks(const Turn *u, int samples, Tracer *t, V3 *peak)
 {
     Draw draw, first = draw_first(t, u, DECIDE_TRY_LOBE, DECIDE_TRY_DIRECTION);
     int tries = (samples + 3) / 4, n = 0;
     BsdfSample s;
 
-    for (int i = 0; i < tries && n < TRIES; i++) {
+    for (int i = 0; i < tries && n < TWOSTAGE_PEAKS_MOST; i++) {
         draw = draw_number(&first, (uint32_t)i);
         if (turn_sample(u, draw.choice, draw.point, &s) && s.pdf_w > 0.0f)
             peak[n++] = s.wi;
@@ -118,23 +127,33 @@ static int sampled_peaks(const Turn *u, int samples, Tracer *t, V3 peak[TRIES])
 /* The source splits as often as there are samples. Half as often costs what it saves where nothing
  * is in shadow, and less than that where shadows make most of the noise; see `make bench
  * T=twostage`. Few samples want all. */
-static int splits_for(int samples)
+int twostage_splits(const TwoStage *it, int samples)
 {
     enum { ALL = 16 };
+
+    if (it->splits)
+        return it->splits;
     return samples <= ALL ? samples : samples / 2 > ALL ? samples / 2 : ALL;
+}
+
+int twostage_peaks(const TwoStage *it, const Turn *u, int samples, Tracer *t,
+                   V3 peak[TWOSTAGE_PEAKS_MOST])
+{
+    return it->sampled ? sampled_peaks(u, samples, t, peak) : known_peaks(u, peak);
 }
 
 bool twostage_partition(const TwoStage *it, const Turn *u, int samples, Tracer *t, Partition *p)
 {
-    V3 peak[TRIES];
-    PartitionOrder o = { factor, u, u->up, peak, 0, peak, 0, it->splits };
+    V3 peak[TWOSTAGE_PEAKS_MOST];
+    PartitionOrder o = { factor, u, u->up, peak, 0, peak, 0, 0 };
+    int n;
 
-    if (!o.splits)
-        o.splits = splits_for(samples);
-    if (it->sampled)
-        o.tries = sampled_peaks(u, samples, t, peak);
-    else
-        o.peaks = known_peaks(u, peak);
+    if (!it->light || it->colour)
+        return false;
+    n = twostage_peaks(it, u, samples, t, peak);
+    o.splits = twostage_splits(it, samples);
+    o.peaks = it->sampled ? 0 : n;
+    o.tries = it->sampled ? n : 0;
     return partition_make(p, &it->map, &o);
 }
 

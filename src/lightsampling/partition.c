@@ -116,7 +116,7 @@ static void cascade_x(Growth *g, uint32_t x, uint32_t y, bool down, float f)
     }
 }
 
-/* The same of row y across column x, and on round the map. */
+/* The same of row y across column x, and on round the map, unless that is flat. */
 static void cascade_y(Growth *g, uint32_t x, uint32_t y, bool right, float f)
 {
     while (!is_full(g)) {
@@ -124,6 +124,8 @@ static void cascade_y(Growth *g, uint32_t x, uint32_t y, bool right, float f)
         int i = leaf_of(g->p, cell, y);
         const PartitionNode *r = &g->p->node[i];
         float far;
+        if (g->m->flat && x == (right ? g->m->w : 0))
+            return;
         if (y <= r->y0 || y >= r->y1 || !(f > (right ? r->f[0] + r->f[2] : r->f[1] + r->f[3])))
             return;
         x = right ? r->x1 : r->x0;
@@ -168,7 +170,8 @@ static void divide_y(Growth *g, int i, uint32_t y)
 static void divide_at(Growth *g, uint32_t x, uint32_t y)
 {
     const PartitionNode *root = &g->p->node[0];
-    uint32_t w = g->m->w, side[2] = { x == w ? 0 : x, (x == 0 ? w : x) - 1 };
+    uint32_t w = g->m->w, left = x == 0 ? (g->m->flat ? 1 : w) : x;
+    uint32_t side[2] = { x == w ? (g->m->flat ? w - 1 : 0) : x, left - 1 };
     uint32_t first = y > root->y0 ? y - 1 : y, last = y < root->y1 ? y : y - 1;
 
     if (y < root->y0 || y > root->y1)
@@ -186,7 +189,9 @@ static void nearest_corner(const SkyMap *m, V3 wi, uint32_t *x, uint32_t *y)
     float jacobian;
     V2 q = skymap_place(m, wi, &jacobian);
 
-    *x = (uint32_t)((double)q.x * m->w + 0.5) % m->w;
+    *x = (uint32_t)((double)q.x * m->w + 0.5);
+    if (!m->flat)
+        *x %= m->w;
     *y = (uint32_t)((double)q.y * m->h + 0.5);
 }
 

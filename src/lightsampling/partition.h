@@ -12,6 +12,8 @@
  *             what partition_pdf_w says, but for roundings of wi into the next cell.
  * Positive    f counts as at least what gives PARTITION_FLOOR of the samples to the map alone: no
  *             direction from which light comes within the root has density 0 (errata 5.3).
+ * Lamps       Maps may be of lamps, see skymap.h: directions are points of the lamp then, densities
+ *             are per unit square, and `up` is 0.
  * Memory      All of it stands in the Partition, about 110 kB, of which only what is used is
  *             written: on the stack, or one for each thread. */
 #ifndef LIGHTSAMPLING_PARTITION_H
@@ -76,6 +78,9 @@ void  partition_warp(const Partition *p, V2 u, PartitionSample *s);
 void  partition_warp_many(const Partition *p, const V2 *u, PartitionSample *s, int n);
 /* The density of wi; 0 outside the root and where the map is black. */
 float partition_pdf_w(const Partition *p, V3 wi);
+/* That of a place of the map, exactly as partition_warp has it; jacobian: d omega / d place there.
+ * With 1: per unit square. */
+float partition_pdf_at(const Partition *p, V2 place, float jacobian);
 /* The point that is warped to wi, and its density. False: no point is. */
 bool  partition_unwarp(const Partition *p, V3 wi, V2 *u, float *pdf_w);
 

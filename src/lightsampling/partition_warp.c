@@ -204,7 +204,7 @@ INLINE void land(const Partition *p, const Falls *f, PartitionSample *out, int n
     skymap_directions(m, place, wi, jacobian, n);
     for (int i = 0; i < n; i++) {
         out[i].place = place[i];
-        out[i].wi = v_unit(wi[i]);
+        out[i].wi = m->flat ? wi[i] : v_unit(wi[i]);
         out[i].pdf_w = cell_pdf_w(m, f->probability[i], jacobian[i]);
     }
 }
@@ -290,6 +290,17 @@ float partition_pdf_w(const Partition *p, V3 wi)
     V2 u;
     float pdf_w;
     return partition_unwarp(p, wi, &u, &pdf_w) ? pdf_w : 0.0f;
+}
+
+float partition_pdf_at(const Partition *p, V2 place, float jacobian)
+{
+    uint32_t x, y;
+    Aim aim;
+
+    skymap_cell(p->map, place, &x, &y);
+    aim.x = x;
+    aim.y = y;
+    return cell_pdf_w(p->map, find_cell(p, &aim), jacobian);
 }
 
 static float canonical(double x)

@@ -125,7 +125,7 @@ typedef struct {
     Affine to_light, to_world;  /* directions */
     /* NULL: the picture says all. Else it is but a guide, of about this radiance, */
     Rgb (*shows)(const Light *l, V3 wi);
-    Light *beside;              /* and of what it leaves out this is a light; NULL: there is none */
+    Light *remainder;           /* and of what it leaves out this is a light; NULL: there is none */
 } LightPicture;
 
 /* A parallelogram that shines by a picture: places are of the unit square, (x, y) is the point

@@ -14,7 +14,8 @@
  * Sampling    The sun's cone, or a picture of sky and ground by luminance, as their light falls
  *             upon a sphere. The density is that of both together, wherever a direction comes
  *             from. Radiance is computed, not looked up: no cell shows. Beside directions by the
- *             surface, what rises above an even level counts, see panorama.h and [Karlik19]. */
+ *             surface, what rises above an even level counts, see panorama.h and [Karlik19].
+ * In parts    Methods that go by a picture get that of sky and ground, and the sun as a light. */
 #include "sampling/warp.h"
 #include "scene/panorama.h"
 
@@ -38,6 +39,8 @@ static const double ZENITH[2][3][4] = {
       { 0.15346, -0.26756, 0.06670, 0.26688 } }
 };
 
+typedef struct Sun Sun;
+
 typedef struct {
     Light  base;
     Affine to_light, to_world;
@@ -51,9 +54,12 @@ typedef struct {
     Rgb    ground;              /* radiance from below */
     float  sun_share;           /* of the samples, */
     float  bright_share;        /* and of those of what rises above an even level */
+    Sun   *alone;               /* in the arena; NULL: there is none */
     Image  own;                 /* owned: sky and ground by cell */
     Panorama cells;             /* owned */
 } Sky;
+
+struct Sun { Light base; const Sky *sky; };     /* without its sky */
 
 /* ---- Preetham's sky ---- */
 
@@ -182,6 +188,8 @@ static bool draw_cells(Sky *l, Rgb albedo)
     return true;
 }
 
+static bool make_alone(Sky *l, const Making *m);
+
 static Light *make(const Making *m, const Opts *o)
 {
     Sky *l = arena_take(&m->scene->arena, 1, sizeof *l);
@@ -204,12 +212,16 @@ static Light *make(const Making *m, const Opts *o)
     l->sun_L = rgb_scale(rgb_mul(scale, sun_light(theta, turbidity)), opt_float(o, "sunscale"));
     /* the disc's irradiance is L pi sin^2: the same sun for every size */
     l->sun_L = rgb_scale(l->sun_L, 1.0f / (PI_F * l->height * (2.0f - l->height)));
-    return draw_cells(l, opt_rgb(o, "albedo")) ? &l->base : NULL;
+    return make_alone(l, m) && draw_cells(l, opt_rgb(o, "albedo")) ? &l->base : NULL;
 }
 
 static bool prepare(Light *base, const Scene *s)
 {
-    ((Sky *)base)->stage = stage_of(s);
+    Sky *l = (Sky *)base;
+
+    l->stage = stage_of(s);
+    if (l->alone)
+        l->alone->base.index = base->index;
     return true;
 }
 
@@ -332,15 +344,97 @@ static Rgb power(const Light *base)
     return rgb_scale(all, 1.0f / stage_pdf_a(&l->stage));
 }
 
+/* up: in the light's frame. */
+static float estimate_of_sun(const Sky *l, V3 up)
+{
+    float sine = sqrtf(l->height * (2.0f - l->height));
+    return rgb_lum(l->sun_L) * 2.0f * PI_F * l->height * estimate_cosine(up, l->sun, sine);
+}
+
 static float estimate(const Light *base, V3 p, V3 n)
 {
     const Sky *l = (const Sky *)base;
     V3 up = affine_vector(&l->to_light, n);
-    float sine = sqrtf(l->height * (2.0f - l->height));
 
     (void)p;
-    return panorama_estimate(&l->cells, up) +
-           rgb_lum(l->sun_L) * 2.0f * PI_F * l->height * estimate_cosine(up, l->sun, sine);
+    return panorama_estimate(&l->cells, up) + estimate_of_sun(l, up);
+}
+
+/* ---- in parts ---- */
+
+static bool sun_sample(const Light *base, V3 from, V2 u, LightSample *s)
+{
+    const Sky *l = ((const Sun *)base)->sky;
+    Frame axis = frame_about(l->sun);
+
+    (void)from;
+    s->dist = INFINITY;
+    s->p = s->err = s->n = v_all(0.0f);
+    s->wi = v_unit(affine_vector(&l->to_world, frame_out(&axis, warp_cone(u, l->height))));
+    s->pdf_w = warp_cone_pdf(l->height);
+    s->L = l->sun_L;
+    return true;
+}
+
+static Rgb sun_radiance(const Light *base, V3 wi, const Surface *hit)
+{
+    const Sky *l = ((const Sun *)base)->sky;
+
+    (void)hit;
+    return in_sun(l, v_unit(affine_vector(&l->to_light, wi))) ? l->sun_L : rgb_all(0.0f);
+}
+
+static float sun_pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
+{
+    (void)from;
+    return rgb_black(sun_radiance(base, wi, hit)) ? 0.0f
+                                                  : warp_cone_pdf(((const Sun *)base)->sky->height);
+}
+
+static Rgb sun_power(const Light *base)
+{
+    const Sky *l = ((const Sun *)base)->sky;
+    return rgb_scale(l->sun_L, 2.0f * PI_F * l->height / stage_pdf_a(&l->stage));
+}
+
+static float sun_estimate(const Light *base, V3 p, V3 n)
+{
+    const Sky *l = ((const Sun *)base)->sky;
+
+    (void)p;
+    return estimate_of_sun(l, affine_vector(&l->to_light, n));
+}
+
+/* In no list: direct light alone meets it, and asks it for no more. */
+static const LightKind sun_kind = {
+    .info = { "sun", "Preetham99", "the sun of a sky", NULL },
+    .infinite = true, .sample = sun_sample, .pdf_w = sun_pdf_w, .radiance = sun_radiance,
+    .power = sun_power, .estimate = sun_estimate
+};
+
+static bool make_alone(Sky *l, const Making *m)
+{
+    if (rgb_black(l->sun_L))
+        return true;
+    l->alone = arena_take(&m->scene->arena, 1, sizeof *l->alone);
+    if (!l->alone)
+        return false;
+    l->alone->base.kind = &sun_kind;
+    l->alone->sky = l;
+    return true;
+}
+
+static Rgb without_sun(const Light *base, V3 wi)
+{
+    const Sky *l = (const Sky *)base;
+    return background(l, v_unit(affine_vector(&l->to_light, wi)));
+}
+
+static LightPicture picture(const Light *base)
+{
+    const Sky *l = (const Sky *)base;
+    return (LightPicture){ &l->own, true, { 1, 1, 1 }, l->to_light, l->to_world, without_sun,
+                           l->alone ? &l->alone->base : NULL };
 }
 
 static const OptDef options[] = {
@@ -365,5 +459,5 @@ const LightKind light_sky = {
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
     .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = estimate
+    .estimate = estimate, .picture = picture
 };
