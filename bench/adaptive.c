@@ -25,9 +25,9 @@ static bool add_run(Moments *m, const Film *f)
     return true;
 }
 
-/* With an error to reach, or with SPP samples. */
-static void row(SceneFile *f, const char *sampler, const char *policy, double error, uint32_t side,
-                const char *printed)
+/* With an error to reach, or with SPP samples. integrator NULL: the scene's. */
+static void row_by(SceneFile *f, const char *integrator, const char *sampler, const char *policy,
+                   double error, uint32_t side, const char *printed)
 {
     double variance = 0, mean = 0, spp = 0, cpu = 0, stated = 0;
     size_t n = (size_t)side * side;
@@ -39,6 +39,7 @@ static void row(SceneFile *f, const char *sampler, const char *policy, double er
     bool ok;
 
     memset(&q, 0, sizeof q);
+    q.integrator = integrator;
     q.sampler = sampler;
     q.adaptive = policy;
     q.spp = error > 0 ? 0 : SPP;
@@ -68,6 +69,12 @@ static void row(SceneFile *f, const char *sampler, const char *policy, double er
     mem_free(m.sum);
     mem_free(m.squares);
     image_clear(&m.im);
+}
+
+static void row(SceneFile *f, const char *sampler, const char *policy, double error, uint32_t side,
+                const char *printed)
+{
+    row_by(f, NULL, sampler, policy, error, side, printed);
 }
 
 static bool scene_open(SceneFile *f, const char *path)
@@ -106,6 +113,22 @@ static void errors(const char *scene, const double *asked, int n, uint32_t side)
         for (int i = 0; i < 4; i++)
             row(&f, "zerotwo", policies[i], asked[k], side, "");
     }
+    scenefile_clear(&f);
+}
+
+void bench_variable(const char *scene, const char *integrator)
+{
+    char text[200];
+    SceneFile f;
+
+    if (!scene_open(&f, scene))
+        return;
+    snprintf(text, sizeof text, "figure 5.9 by %s on %s; printed: sigma/mu, seconds", integrator,
+             scene);
+    head(text);
+    row_by(&f, integrator, "zerotwo", "none", 0, SIDE, "0.0446, 25.5");
+    row_by(&f, integrator, "zerotwo", "variable", 0, SIDE, "0.0409, 25.9");
+    row_by(&f, integrator, "zerotwo", "variable:rerender=true", 0, SIDE, "0.0366, 27.3");
     scenefile_clear(&f);
 }
 

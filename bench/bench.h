@@ -15,6 +15,8 @@ void bench_memory(void);        /* table 3.1 of the document */
 void bench_speed(void);         /* table 3.2 */
 void bench_arity(void);         /* sections 3.3.1 and 3.4.3 */
 void bench_adaptive(void);      /* figure 5.9 of [Cline07]: samples alike and where wanted */
+/* The same figure for one integrator: all pixels alike, variable, and biased re-rendering. */
+void bench_variable(const char *scene, const char *integrator);
 void bench_direct(void);        /* figure 4.10 of the document, many lights, equal time */
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */

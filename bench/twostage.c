@@ -6,7 +6,10 @@
  * 5.1        a matt and a glossy floor, with shadows: sigma/mu, and at equal time.
  * cost       a partition and 32 points warped by it, against the 32 shadow rays that they serve, at
  *            what the eye sees of a scene of 120,000 triangles under a probe.
- * Galileo's Tomb is not at hand: ours is scenes/probe.hdr. For figure 5.9 see adaptive.c. */
+ * 5.9        with as many camera samples for all pixels, and where noise is; adaptive.c does it.
+ * screen     what the document says of "large light sources" only: a floor under a lamp with a
+ *            picture, and by colour.
+ * Galileo's Tomb is not at hand: ours is scenes/probe.hdr. */
 #include "base/file.h"
 #include "bench/bench.h"
 #include "image/compare.h"
@@ -239,11 +242,68 @@ static void table_5_1(const char *scene, const char *printed)
     image_clear(&ref);
 }
 
+/* ---- a lamp with a picture ---- */
+
+static const char screen[] =
+    "LookAt 0 -4 2  0 0.4 0.2  0 0 1\nCamera \"perspective\" \"float fov\" 40\n"
+    "PixelFilter \"box\" \"float xradius\" 0.0001 \"float yradius\" 0.0001\n"
+    "WorldBegin\nMaterial \"blinn\" \"rgb reflectance\" [ 0.3 0.06 0.03 ] "
+    "\"rgb specular\" [ 0.5 0.5 0.5 ] \"float exponent\" 80\n"
+    "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 0 4 -4 0 4 4 0 -4 4 0 ] "
+    "\"integer indices\" [ 0 1 2 0 2 3 ]\n"
+    "AttributeBegin\nTranslate 0 0.5 0.5\nShape \"sphere\" \"float radius\" 0.5\n"
+    "AttributeEnd\nAreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ] "
+    "\"string filename\" \"%s/scenes/slide.ppm\"\n"
+    "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n"
+    "Shape \"trianglemesh\" \"point3 P\" [ -1.5 2.5 1 1.5 2.5 1 1.5 2 3 -1.5 2 3 ] "
+    "\"integer indices\" [ 0 1 2 0 2 3 ] \"point2 uv\" [ 0 0 1 0 1 1 0 1 ]\n";
+
+static void of_screen(const char *scene)
+{
+    static const char *const m[] = {
+        "direct:strategy=light,lightsamples=32",
+        "direct:strategy=mis,lightsamples=16,bsdfsamples=16",
+        "direct:strategy=ris,tentative=64,samples=32", "direct:strategy=twostage,samples=32",
+        "direct:strategy=twostage,samples=32,f=colour"
+    };
+    RenderReport report;
+    Image ref = { 0 };
+
+    if (!bench_render(scene, "direct:strategy=twostage,samples=4096", NULL, 96, 1, processors(), 99,
+                      &ref, &report))
+        return;
+    for (size_t i = 0; i < sizeof m / sizeof *m; i++) {
+        double error, seconds;
+        if (!error_of(scene, m[i], 96, 1, 5, &ref, &error, &seconds))
+            return;
+        printf("screen\t%-50s\tsigma/mu %.4f\tCPU s %.3f\tat one second %.4f\n", m[i], error,
+               seconds, error * sqrt(seconds));
+        fflush(stdout);
+    }
+    image_clear(&ref);
+}
+
+static void screens(void)
+{
+    char scene[64], here[512], text[2048];
+    int n;
+
+    snprintf(scene, sizeof scene, "/tmp/rushlight-screen-%ld.pbrt", (long)getpid());
+    if (!getcwd(here, sizeof here))
+        return;
+    n = snprintf(text, sizeof text, screen, here);
+    if (file_write(scene, text, (size_t)n))
+        of_screen(scene);
+    unlink(scene);
+}
+
 void bench_twostage(void)
 {
     slopes();
     table_5_1("scenes/floor-diffuse.pbrt", "printed: BRDF 0.300, light 0.038, two stage 0.030");
     table_5_1("scenes/floor-glossy.pbrt", "printed: BRDF 0.243, light 0.206, two stage 0.041");
+    bench_variable("scenes/swarm-probe.pbrt", "direct:strategy=twostage,samples=2");
+    screens();
 }
 
 void bench_twostage_cost(void)
