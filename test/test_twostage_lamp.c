@@ -190,7 +190,9 @@ static void density_of(int model, int at, int picture, bool colour)
     static const V3 corner[] = { { -0.5f, -0.5f, 1.5f }, { 0.6f, -2, -0.5f }, { -3, 1, 0.01f } };
     static const V3 a[] = { { 0, 1.2f, 0 }, { 0, 4, 0 }, { 6, 0, 0 } };
     static const V3 b[] = { { 1, 0, 0.2f }, { 0, 0, 2 }, { 0, 0.1f, 1 } };
-    static const int chosen[] = { 0, 1, 2 };
+    static const Picture square[] = {           /* cells are bins */
+        { "film", 64, 64, film }, { "black half", 64, 64, half }, { "one bright", 32, 32, spot }
+    };
     static TwoStage two;
     static Product p;
     bool is_sky = at == 3;
@@ -213,7 +215,7 @@ static void density_of(int model, int at, int picture, bool colour)
     if (is_sky)
         lab_sky(&l, 128, 64, sky, NULL);
     else
-        lamp(&l, &pictures[chosen[picture]], true, corner[at], a[at], b[at], "twosided=true",
+        lamp(&l, &square[picture], true, corner[at], a[at], b[at], "twosided=true",
              lab_material(&l, "diffuse", "reflectance=0"));
     lab_build(&l);
     lab_method(&l, colour ? "direct:strategy=twostage,f=colour" : "direct:strategy=twostage", &o);
