@@ -232,13 +232,16 @@ static const OptDef options[] = {
     { .key = "extent", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,
       .help = "cut: weight of clusters' extent when they are divided; 0: by light alone" },
     { .key = "safe", .type = OPT_FLOAT, .num = 0.1, .lo = 0, .hi = 1,
-      .help = "cut: share of choices that go by light alone; 0 loses light, as the source does" },
+      .help = "cut: share of choices that go by light alone; 0: none, and no part of lobes counts "
+              "as matt; with prior=0 light is lost, as in the source" },
     { .key = "prior", .type = OPT_FLOAT, .num = 2, .lo = 0, .hi = 1e6,
       .help = "cut: rays' worth of evenness by which counts are spread; 0: as the source has it" },
     { .key = "boxes", .type = OPT_BOOL, .num = 0,
       .help = "cut: rays find what is beyond the scene by boxes, not by cells" },
     { .key = "within", .type = OPT_CHOICE, .str = "tree", .choices = "even light tree",
       .help = "cut: lights of a cluster are chosen all alike, by their light, or down the tree" },
+    { .key = "judged", .type = OPT_INT, .num = 1, .lo = 1, .hi = SIR_MOST,
+      .help = "cut: lights tried for each that is kept, by what they would bring unhindered" },
     { .key = "occlusion", .type = OPT_CHOICE, .str = "points", .choices = "points directions",
       .help = "samples of lights are points of them, wasted if hidden, or directions, in which "
               "whatever shines counts" },

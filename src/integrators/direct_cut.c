@@ -9,15 +9,19 @@
  *                 single      the BSDF at the middle of each cluster [Wang09 3.3]
  *                 none        light alone [Wang09 3.2]
  *                 all         no choice: all point lights are asked. The source's reference
- *             and `samples` lights are chosen, by equal steps through the pmf.
+ *             and `samples` lights are chosen, by equal steps through the pmf. With judged > 1, so
+ *             many times as many are tried, judged without rays, and resampled, as sir does it.
  * Sir         [Wang09 5, fig. 8]: `tentative` lights by their light alone, judged without rays, of
  *             which `samples` are kept and looked at.
  * Truth       jitter=true: a light is chosen, then a place in its cell. The estimate is that of all
  *             light of lamps and sky, without bias: no cell has probability 0. jitter=false, as in
  *             the source: the sum over the points, without bias; what the points themselves are
  *             off by, bench/cuts.c measures. Indirect light has no cells: always the sum.
- * Departs     Lobes' rays that find no cluster are not all trusted: a tenth of their energy counts
- *             as matt, and `safe` of all choices go by light alone (errata 002.1).
+ * Departs     Counts are not all trusted (errata 002.1): 3 % of the energy of lobes counts as matt,
+ *             and `safe` of all choices go by light alone. safe=0: neither. With prior=0 as well
+ *             clusters that no ray found are lost, as in the source, if nothing is matt: a test
+ *             has how much. The source as printed is safe=0,prior=0,extent=0,within=even,boxes=true
+ *             (but for errata 002.2 to 002.4).
  * Delta       Point, spot and distant lights are asked one by one, each by a ray. */
 #include "integrators/direct.h"
 
@@ -32,11 +36,12 @@ typedef struct {
     LightCut cut;
     CutBrdf brdf;
     Indirect indirect;
-    int rays, samples, tentative;
+    int rays, samples;
+    int tentative;              /* tried: as many as samples, if none is judged beforehand */
     float safe, prior;
 } Cut;
 
-static const float SPREAD = 0.03f;       /* of lobes, as if they were matt */
+static const float SPREAD = 0.03f;       /* of lobes, as if they were matt; with safe=0: none */
 
 /* ---- opening ---- */
 
@@ -88,7 +93,6 @@ static bool open_points(Direct *it, const Opts *o, size_t most,
     c->samples = (int)opt_int(o, "samples");
     if (c->rays == 0)
         c->rays = c->samples > 32 ? 2 * c->samples : 64;
-    c->tentative = (int)opt_int(o, "tentative");
     c->safe = opt_float(o, "safe");
     c->prior = opt_float(o, "prior");
     return warn_of_points(opt_bool(o, "jitter"), c->indirect) &&
@@ -103,8 +107,12 @@ static bool open_cut(Direct *it, const Opts *o)
     static const char *const within[] = { "even", "light", "tree" };
 
     if (open_points(it, o, (size_t)opt_int(o, "clusters"),
-                    (WithinCluster)index_of(o, "within", within)))
+                    (WithinCluster)index_of(o, "within", within))) {
+        Cut *c = it->own;
+        int64_t tried = (int64_t)c->samples * opt_int(o, "judged");
+        c->tentative = tried < SIR_MOST ? (int)tried : SIR_MOST;
         return true;
+    }
     close_cut(it);
     return false;
 }
@@ -112,8 +120,10 @@ static bool open_cut(Direct *it, const Opts *o)
 /* Lights are drawn by their own values: any cut will do. */
 static bool open_sir(Direct *it, const Opts *o)
 {
-    if (open_points(it, o, 1, WITHIN_BY_LIGHT))
+    if (open_points(it, o, 1, WITHIN_BY_LIGHT)) {
+        ((Cut *)it->own)->tentative = (int)opt_int(o, "tentative");
         return true;
+    }
     close_cut(it);
     return false;
 }
@@ -156,7 +166,7 @@ static void by_counts(const Cut *c, const Turn *u, Tracer *t, float *weight)
     if ((flags & KINDS) != BSDF_MATT) { /* else rays would say no more: matt, and above */
         a = count_rays(c, u, t, weight);
         lightcut_lobes(&c->cut, u->p, c->prior, a.lobes / (float)c->rays, weight);
-        part = SPREAD;
+        part = c->safe > 0.0f ? SPREAD : 0.0f;
     }
     if (!u->v)
         return;
@@ -228,14 +238,111 @@ static Rgb deltas(const Direct *it, const Turn *u, Tracer *t)
     return sum;
 }
 
+/* ---- the choice ---- */
+
+/* Lights by equal steps through a pmf. */
+typedef struct {
+    const Cut *c;
+    const Turn *u;
+    const float *pmf_of;        /* by cluster */
+    LitPoint lit;               /* for whom */
+    Draw first;
+    int  n;                     /* steps */
+    size_t k;                   /* where the last one ended, for lightcut_choose */
+    double before;
+} Choice;
+
+static Choice choice_of(const Cut *c, const Turn *u, const float *pmf_of, int n, Tracer *t)
+{
+    Choice by = { .c = c, .u = u, .pmf_of = pmf_of, .lit = { u->p, u->up }, .n = n };
+
+    by.first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
+    return by;
+}
+
+/* Step i: the light; its pmf times the steps. */
+static size_t choose(Choice *by, int i, float *own)
+{
+    double x = (i + (double)by->first.choice) / by->n;
+    float pmf;
+    size_t at = lightcut_choose(&by->c->cut, &by->lit, by->pmf_of, x, &by->k, &by->before, &pmf);
+
+    *own = pmf * (float)by->n;
+    return at;
+}
+
+static V2 place_of(const Choice *by, int i) { return draw_number(&by->first, (uint32_t)i).point; }
+
+static Rgb by_steps(Choice *by, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    for (int i = 0; i < by->n; i++) {
+        float own;
+        size_t at = choose(by, i, &own);
+        sum = rgb_add(sum, one_light(by->c, by->u, at, place_of(by, i), own, t));
+    }
+    return sum;
+}
+
+/* ---- sampling importance resampling ---- */
+
+static bool judge(const Choice *by, size_t light, int i, float own, Candidate *seen)
+{
+    LightSample ls;
+    return own > 0.0f && pointlight_seen(&by->c->lights, light, by->u->p, place_of(by, i), &ls) &&
+           candidate_seen(by->u, &ls, own, seen);
+}
+
+/* The steps through the sum of what was tried, as in resample.c. The kept are made again. */
+static Rgb keep_some(Choice *by, const float *tried, double sum, Tracer *t)
+{
+    const int kept = by->c->samples;
+    double at = 0.0, step = sum / kept;
+    float start = sample_1d(&t->sampler, DECISION(DECIDE_KEEP, by->u->at)), own;
+    Rgb light = rgb_all(0.0f);
+    Candidate seen;
+    int next = 0;
+
+    for (int i = 0; i < by->n && next < kept; i++) {
+        size_t number = choose(by, i, &own);
+        int times = 0;
+        at += (double)tried[i];
+        while (next < kept && ((next + (double)start) * step < at)) {
+            next++;
+            times++;
+        }
+        if (!times || !judge(by, number, i, own, &seen))
+            continue;
+        seen.c = rgb_scale(seen.c, (float)(times * step / (double)tried[i]));
+        light = rgb_add(light, looked_at(by->c, by->u, number, &seen, t));
+    }
+    return light;
+}
+
+static Rgb by_resampling(Choice *by, Tracer *t)
+{
+    const Choice start = *by;
+    float tried[SIR_MOST];        /* luminance */
+    double all = 0.0;
+    Candidate seen;
+
+    for (int i = 0; i < by->n; i++) {
+        float own;
+        size_t number = choose(by, i, &own);
+        tried[i] = judge(by, number, i, own, &seen) ? rgb_lum(seen.c) : 0.0f;
+        all += (double)tried[i];
+    }
+    *by = start;
+    return all > 0.0 ? keep_some(by, tried, all, t) : rgb_all(0.0f);
+}
+
+/* ---- the strategies ---- */
+
 static Rgb chosen_lights(const Cut *c, const Turn *u, Tracer *t)
 {
     float weight[CUT_MOST];
-    Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
-    Rgb sum = rgb_all(0.0f);
-    LitPoint lit = { u->p, u->up };
-    double before = 0.0;
-    size_t k = 0;
+    Choice by;
 
     memset(weight, 0, c->cut.n * sizeof weight[0]);
     if (c->brdf == BRDF_COUNTS)
@@ -243,14 +350,8 @@ static Rgb chosen_lights(const Cut *c, const Turn *u, Tracer *t)
     else if (c->brdf == BRDF_SINGLE)
         by_middles(c, u, weight);
     lightcut_normalize(&c->cut, c->safe, weight);
-    for (int i = 0; i < c->samples; i++) {
-        double x = (i + (double)first.choice) / c->samples;
-        float pmf;
-        size_t at = lightcut_choose(&c->cut, &lit, weight, x, &k, &before, &pmf);
-        sum = rgb_add(sum, one_light(c, u, at, draw_number(&first, (uint32_t)i).point,
-                                     pmf * (float)c->samples, t));
-    }
-    return sum;
+    by = choice_of(c, u, weight, c->tentative, t);
+    return c->tentative > c->samples ? by_resampling(&by, t) : by_steps(&by, t);
 }
 
 static Rgb light_by_cut(const Direct *it, const Turn *u, Tracer *t)
@@ -263,73 +364,16 @@ static Rgb light_by_cut(const Direct *it, const Turn *u, Tracer *t)
     return rgb_add(sum, c->brdf == BRDF_ALL ? all_lights(c, u, t) : chosen_lights(c, u, t));
 }
 
-/* ---- sampling importance resampling ---- */
-
-/* Number i of those tried, of density times M = own: the light, and the place in its cell. */
-static size_t try_light(const Cut *c, const Draw *first, int i, size_t *k, double *before,
-                        float *own)
-{
-    double x = (i + (double)first->choice) / c->tentative;
-    float pmf;
-    size_t at = lightcut_choose(&c->cut, NULL, c->cut.share, x, k, before, &pmf);
-
-    *own = pmf * (float)c->tentative;
-    return at;
-}
-
-static bool as_tried(const Cut *c, const Turn *u, size_t light, const Draw *first, int i, float own,
-                     Candidate *seen)
-{
-    LightSample ls;
-    return pointlight_seen(&c->lights, light, u->p, draw_number(first, (uint32_t)i).point, &ls) &&
-           candidate_seen(u, &ls, own, seen);
-}
-
-/* The steps through the sum of what was tried, as in resample.c. The kept are made again. */
-static Rgb keep_some(const Cut *c, const Turn *u, const Draw *first, const float *tried,
-                     double sum, Tracer *t)
-{
-    double at = 0.0, step = sum / c->samples, before = 0.0;
-    float start = sample_1d(&t->sampler, DECISION(DECIDE_KEEP, u->at)), own;
-    Rgb light = rgb_all(0.0f);
-    Candidate seen;
-    size_t k = 0;
-    int next = 0;
-
-    for (int i = 0; i < c->tentative && next < c->samples; i++) {
-        size_t number = try_light(c, first, i, &k, &before, &own);
-        int times = 0;
-        at += (double)tried[i];
-        while (next < c->samples && ((next + (double)start) * step < at)) {
-            next++;
-            times++;
-        }
-        if (!times || !as_tried(c, u, number, first, i, own, &seen))
-            continue;
-        seen.c = rgb_scale(seen.c, (float)(times * step / (double)tried[i]));
-        light = rgb_add(light, looked_at(c, u, number, &seen, t));
-    }
-    return light;
-}
-
 static Rgb light_by_sir(const Direct *it, const Turn *u, Tracer *t)
 {
     const Cut *c = it->own;
     Rgb sum = c->indirect == INDIRECT_ONLY ? rgb_all(0.0f) : deltas(it, u, t);
-    Draw first = draw_first(t, u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
-    float tried[SIR_MOST];        /* luminance */
-    double before = 0.0, all = 0.0;
-    Candidate seen;
-    size_t k = 0;
-    float own;
+    Choice by;
 
-    for (int i = 0; c->cut.n && i < c->tentative; i++) {
-        size_t number = try_light(c, &first, i, &k, &before, &own);
-        tried[i] = own > 0.0f && as_tried(c, u, number, &first, i, own, &seen)
-                           ? rgb_lum(seen.c) : 0.0f;
-        all += (double)tried[i];
-    }
-    return all > 0.0 ? rgb_add(sum, keep_some(c, u, &first, tried, all, t)) : sum;
+    if (!c->cut.n)
+        return sum;
+    by = choice_of(c, u, c->cut.share, c->tentative, t);
+    return rgb_add(sum, by_resampling(&by, t));
 }
 
 const DirectStrategy direct_cut = {

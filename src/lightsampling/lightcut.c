@@ -134,8 +134,8 @@ void lightcut_count(const LightCut *c, V3 p, V3 d, float energy, float *energy_o
 
 static bool arrays_of(LightCut *c)
 {
-    float **array[] = { &c->x, &c->y, &c->z, &c->radius, &c->nx, &c->ny, &c->nz, &c->turned,
-                        &c->size, &c->lum, &c->share };
+    float **array[] = { &c->x, &c->y, &c->z, &c->hx, &c->hy, &c->hz, &c->deep, &c->nx, &c->ny,
+                        &c->nz, &c->turned, &c->size, &c->lum, &c->share };
 
     for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
         if (!(*array[k] = MEM_ARRAY(float, c->n)))
@@ -167,12 +167,14 @@ static void fill(LightCut *c, const uint32_t *node)
 
     for (size_t k = 0; k < c->n; k++) {
         const LightNode *n = &t->node[node[k]];
-        V3 centre = n->centre;
         c->nbeyond += n->beyond;
-        c->x[k] = centre.x;
-        c->y[k] = centre.y;
-        c->z[k] = centre.z;
-        c->radius[k] = n->radius;
+        c->x[k] = n->centre.x;
+        c->y[k] = n->centre.y;
+        c->z[k] = n->centre.z;
+        c->hx[k] = n->half.x;
+        c->hy[k] = n->half.y;
+        c->hz[k] = n->half.z;
+        c->deep[k] = n->deep;
         c->nx[k] = n->normal.x;
         c->ny[k] = n->normal.y;
         c->nz[k] = n->normal.z;
@@ -227,8 +229,8 @@ bool lightcut_init(LightCut *c, const LightTree *t, const CutRule *rule, bool bo
 
 void lightcut_clear(LightCut *c)
 {
-    float *array[] = { c->x, c->y, c->z, c->radius, c->nx, c->ny, c->nz, c->turned, c->size,
-                       c->lum, c->share };
+    float *array[] = { c->x, c->y, c->z, c->hx, c->hy, c->hz, c->deep, c->nx, c->ny, c->nz,
+                       c->turned, c->size, c->lum, c->share };
 
     for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
         mem_free(array[k]);
@@ -254,13 +256,19 @@ static inline float mean_cosine(float c, float s)
 }
 
 /* The area that lights show to a point in the direction -w from them, of the normal's length
- * `turned` (-1: all of the size) and the component `along` w; s is the sine of the angle of their
- * ball. Lights whose normals do not agree are guessed at: above 0 wherever one of them may be. */
+ * `turned` (-1: all of the size) and the component `along` w; s is by how much their cosines may
+ * differ. Lights whose normals do not agree are guessed at: above 0 wherever one of them may be. */
 static inline float shown(float size, float turned, float along, float s)
 {
     float agreed = turned * mean_cosine(-along / turned, s);
     float rest = f_max(size - turned, 0.0f) * 0.25f;
     return turned > 0.0f ? agreed + rest : size;
+}
+
+/* How far cluster k goes from its middle along n. */
+static inline float reach(const LightCut *c, size_t k, V3 n)
+{
+    return fabsf(n.x) * c->hx[k] + fabsf(n.y) * c->hy[k] + fabsf(n.z) * c->hz[k];
 }
 
 /* The solid angle of cluster k from p, clamped; 1 / d in *inv and what it shows of its size. */
@@ -270,7 +278,7 @@ static inline float solid_angle(const LightCut *c, size_t k, V3 to, float *inv, 
     float along = c->nx[k] * to.x + c->ny[k] * to.y + c->nz[k] * to.z;
 
     *inv = 1.0f / sqrtf(d2);
-    area = shown(c->size[k], c->turned[k], along * *inv, c->radius[k] * *inv + 1e-3f);
+    area = shown(c->size[k], c->turned[k], along * *inv, c->deep[k] * *inv + 1e-3f);
     *part = area / c->size[k];
     return f_min(area / d2, MOST_SOLID);
 }
@@ -278,14 +286,14 @@ static inline float solid_angle(const LightCut *c, size_t k, V3 to, float *inv, 
 void lightcut_matt(const LightCut *c, V3 p, V3 n, float above, float below, float *weight)
 {
     for (size_t k = 0; k < c->nbeyond; k++) {
-        float cosine = n.x * c->x[k] + n.y * c->y[k] + n.z * c->z[k], s = c->radius[k] + 1e-3f;
+        float cosine = n.x * c->x[k] + n.y * c->y[k] + n.z * c->z[k], s = reach(c, k, n) + 1e-3f;
         float up = mean_cosine(cosine, s), down = mean_cosine(-cosine, s);
         weight[k] += (above * up + below * down) * INV_PI * c->lum[k] * c->size[k];
     }
     for (size_t k = c->nbeyond; k < c->n; k++) {
         V3 to = { c->x[k] - p.x, c->y[k] - p.y, c->z[k] - p.z };
         float inv, part, solid = solid_angle(c, k, to, &inv, &part);
-        float cosine = v_dot(n, to) * inv, s = c->radius[k] * inv + 1e-3f;
+        float cosine = v_dot(n, to) * inv, s = reach(c, k, n) * inv + 1e-3f;
         float up = mean_cosine(cosine, s), down = mean_cosine(-cosine, s);
         weight[k] += (above * up + below * down) * INV_PI * c->lum[k] * solid;
     }
@@ -303,10 +311,26 @@ static void solid_angles(const LightCut *c, V3 p, float *omega)
     }
 }
 
-/* Shares the root's energy out again, down to clusters: see the head of lightcut.h. */
-static void spread_out(const LightCut *c, V3 p, float prior, float *energy)
+#define EVIDENCE 1.5f
+
+/* What share of a node's energy its first child is given: `one` and `other` rays fell into the
+ * children, and q is the first one's share of the solid angle. That of the rays and of more of
+ * them, spread evenly: `prior`, or so many that of a deviation from evenness by z standard
+ * deviations of chance a part 1 - EVIDENCE / z^2 is left, and next to nothing if that is below 0
+ * [JamesStein61]. */
+static float share_of_first(float one, float other, float q, float prior)
 {
-    float has[2 * CUT_MOST], solid[2 * CUT_MOST], omega[CUT_MOST];
+    float n = one + other, away = one - n * q, chance = f_max(n * q * (1.0f - q), 1e-6f);
+    float more = f_max(away * away - EVIDENCE * chance, 1e-3f * chance);
+    float even = f_max(prior, n * EVIDENCE * chance / more);
+
+    return (one + even * q) / (n + even);
+}
+
+/* Shares the root's energy out again, down to clusters: see the head of lightcut.h. */
+static void spread_out(const LightCut *c, V3 p, float prior, float ray, float *energy)
+{
+    float has[2 * CUT_MOST], solid[2 * CUT_MOST], omega[CUT_MOST], per_ray = 1.0f / ray;
     size_t n = 2 * c->n - 1;
 
     solid_angles(c, p, omega);
@@ -317,14 +341,13 @@ static void spread_out(const LightCut *c, V3 p, float prior, float *energy)
     }
     for (size_t i = 0; i < n; i++) {    /* has[i] becomes what it is given */
         const CutNode *node = &c->above[i];
-        float even, all, one;
+        float one, q;
         if (!node->second) {
             energy[node->cluster] = has[i];
             continue;
         }
-        even = prior * (solid[i] > 0.0f ? solid[i + 1] / solid[i] : 0.5f);
-        all = has[i + 1] + has[node->second] + prior;
-        one = has[i] * ((has[i + 1] + even) / all);
+        q = solid[i] > 0.0f ? solid[i + 1] / solid[i] : 0.5f;
+        one = has[i] * share_of_first(has[i + 1] * per_ray, has[node->second] * per_ray, q, prior);
         has[node->second] = has[i] - one;
         has[i + 1] = one;
     }
@@ -333,7 +356,7 @@ static void spread_out(const LightCut *c, V3 p, float prior, float *energy)
 void lightcut_lobes(const LightCut *c, V3 p, float prior, float one, float *energy)
 {
     if (prior > 0.0f && one > 0.0f)
-        spread_out(c, p, prior * one, energy);
+        spread_out(c, p, prior, one, energy);
     for (size_t k = 0; k < c->nbeyond; k++)
         energy[k] *= c->lum[k];
     for (size_t k = c->nbeyond; k < c->n; k++) {
@@ -405,15 +428,27 @@ static size_t place_in(const LightCut *c, size_t first, size_t count, double lef
     return lo;
 }
 
+/* By how much cosines of directions to a node's lights may differ from that of its centre, which is
+ * at `to`, 1 / inv away: along the normal in question they are up to `along` from it. That over the
+ * distance of the nearest place of the box, where light is most; but no more than for the ball. */
+static inline float differ(const LightNode *n, float along, V3 to, float inv)
+{
+    V3 gap = v_max(v_sub(v_abs(to), n->half), v_all(0.0f));
+    float ball = n->radius * inv, d2 = v_len2(gap);
+
+    return (along * along < ball * ball * d2 ? along / sqrtf(d2) : ball) + 1e-3f;
+}
+
 /* What a node would bring to the point, about; above 0 unless all of it is below the horizon. */
 static float brings(const LightNode *n, const LitPoint *lit)
 {
     V3 to = v_sub(n->centre, lit->p);
     float d2 = f_max(v_len2(to), 1e-30f), inv = 1.0f / sqrtf(d2), r = n->radius;
-    float s = r * inv + 1e-3f, cosine = 1.0f;
+    float s = differ(n, n->deep, to, inv), cosine = 1.0f;
 
     if (v_len2(lit->n) > 0.0f)
-        cosine = mean_cosine(v_dot(lit->n, to) * inv, s);
+        cosine = mean_cosine(v_dot(lit->n, to) * inv,
+                             differ(n, v_dot(v_abs(lit->n), n->half), to, inv));
     return n->lum * cosine * shown((float)n->size, n->turned, v_dot(n->normal, to) * inv, s) /
            f_max(d2, r * r);
 }

@@ -37,9 +37,10 @@ typedef struct {
     const LightTree *tree;      /* borrowed */
     CutNode *above;             /* owned: 2 n - 1 */
     size_t n, nbeyond;          /* clusters; the first of them are beyond the scene */
-    /* Owned, by cluster. In the scene: place, ball, normal times area, its length, area. Beyond:
-     * direction, in units of the sphere's radius, solid angle. */
-    float *x, *y, *z, *radius, *nx, *ny, *nz, *turned, *size;
+    /* Owned, by cluster. In the scene: place, how far the box goes from there along each axis, and
+     * along the normal; normal times area, its length, area. Beyond: direction, the box in units of
+     * the sphere's radius, solid angle. */
+    float *x, *y, *z, *hx, *hy, *hz, *deep, *nx, *ny, *nz, *turned, *size;
     float *lum;                 /* mean over the size */
     float *share;               /* of all light: the pmf by light alone */
     uint32_t *first;            /* owned: n + 1 runs of the tree's order */

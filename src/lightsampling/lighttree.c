@@ -162,10 +162,12 @@ static void fill(LightTree *t)
         LightNode *node = &t->node[i];
         if (!node->within)
             node->centre = v_unit(node->centre);
-        node->radius = v_len(v_max(v_sub(node->box.hi, node->centre),
-                                   v_sub(node->centre, node->box.lo)));
+        node->half = v_max(v_sub(node->box.hi, node->centre), v_sub(node->centre, node->box.lo));
+        node->radius = v_len(node->half);
         node->lum = (float)(node->light / node->size);
         node->turned = v_len2(node->normal) > 0.0f ? v_len(node->normal) : -1.0f;
+        if (node->turned > 0.0f)
+            node->deep = v_dot(node->half, v_abs(node->normal)) / node->turned;
     }
 }
 

@@ -20,6 +20,8 @@ typedef struct {
     float  radius;              /* of the ball about the centre that holds the box */
     V3     normal;              /* sum of size times normal: 0 for lights with two sides */
     float  turned;              /* its length; -1 for lights with two sides, or beyond */
+    V3     half;                /* from the centre, how far the box goes along each axis */
+    float  deep;                /* the same along the normal; 0 if there is none */
     float  lum;                 /* luminance, the mean over the size */
     uint32_t first, count;      /* lights in the tree's order */
     uint32_t second;            /* the other child; 0: this is a leaf */
