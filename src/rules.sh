@@ -24,8 +24,8 @@ if test "$(cat "$dir/flags.key" 2>/dev/null)" != "$key"; then
     done
     case $variant in
     debug) opt="-g -O0" ;;
-    asan)  opt="-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all" ;;
-    tsan)  opt="-g -O1 -fsanitize=thread" ;;
+    asan)  opt="-g1 -O1 -fsanitize=address,undefined -fno-sanitize-recover=all" ;;
+    tsan)  opt="-g1 -O1 -fsanitize=thread" ;;
     plain) opt="-O2 -DRUSHLIGHT_PLAIN" ;;
     *)     opt="-O3"; takes -O3 || opt="-O2"
            test "$portable" = 1 || { takes -march=native && opt="$opt -march=native"; } ;;
