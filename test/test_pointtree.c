@@ -70,7 +70,8 @@ static uint32_t keep(Near *best, uint32_t n, uint32_t k, Near x)
     return n < k ? n + 1 : n;
 }
 
-static uint32_t plain_nearest(const Record *p, uint32_t n, V3 from, float r2, uint32_t k, Near *best)
+static uint32_t plain_nearest(const Record *p, uint32_t n, V3 from, float r2, uint32_t k,
+                              Near *best)
 {
     uint32_t found = 0;
 

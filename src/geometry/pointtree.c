@@ -208,7 +208,12 @@ void pointtree_within(const PointTree *t, V3 from, float r2, PointVisit *visit, 
 
 /* ---- the nearest: a heap whose first is the farthest ---- */
 
-typedef struct { Near *found; uint32_t n, k; } Nearest;
+typedef struct {
+    Near *found;
+    uint32_t n, k;
+    PointTakes *takes;
+    const void *ctx;
+} Nearest;
 
 INLINE bool farther(Near a, Near b) { return a.d2 > b.d2 || (a.d2 == b.d2 && a.i > b.i); }
 
@@ -245,9 +250,25 @@ INLINE float take(void *ctx, uint32_t i, float d2, float r2)
 
 uint32_t pointtree_nearest(const PointTree *t, V3 from, float r2, uint32_t k, Near *found)
 {
-    Nearest a = { found, 0, k };
+    Nearest a = { found, 0, k, NULL, NULL };
 
     if (k)
         look(t, from, r2, take, &a);
+    return a.n;
+}
+
+static float take_some(void *ctx, uint32_t i, float d2, float r2)
+{
+    const Nearest *a = ctx;
+    return a->takes(a->ctx, i) ? take(ctx, i, d2, r2) : r2;
+}
+
+uint32_t pointtree_nearest_of_some(const PointTree *t, V3 from, float r2, uint32_t k, Near *found,
+                                   PointTakes *takes, const void *ctx)
+{
+    Nearest a = { found, 0, k, takes, ctx };
+
+    if (k)
+        look(t, from, r2, take_some, &a);
     return a.n;
 }

@@ -50,8 +50,11 @@ INLINE V3 pointtree_at(const PointTree *t, uint32_t i)
 typedef struct { float d2; uint32_t i; } Near;          /* squared distance, number */
 
 /* The k nearest of those with d2 <= r2, and how many they are: in no order, but if there are k, the
- * first is the farthest. */
+ * first is the farthest. Of some: of those that `takes` takes. */
+typedef bool PointTakes(const void *ctx, uint32_t i);
 uint32_t pointtree_nearest(const PointTree *t, V3 from, float r2, uint32_t k, Near *found);
+uint32_t pointtree_nearest_of_some(const PointTree *t, V3 from, float r2, uint32_t k, Near *found,
+                                   PointTakes *takes, const void *ctx);
 
 /* Looks at points with d2 <= r2, in an order that depends on nothing but the points; visit gives
  * the r2 to go on with, which is no larger than before; negative: enough. */

@@ -6,7 +6,7 @@
 #include "base/random.h"
 
 enum { UNIT = 4096,             /* paths */
-       TRIED = 16,              /* units that are tried */
+       TRIED = 4,               /* units that are tried */
        PATHS_MOST = 32,         /* for each photon that is wanted, where few are ever kept; */
        UNLIKELY_MOST = 64,     /* units, where none was kept of those that were tried */
        WI_BITS = 10, NORMAL_BITS = 6 };
@@ -152,7 +152,7 @@ static void shoot(const PhotonStore *s, PhotonBatch *batch, bool tried, Tracer *
 static void shoot_unit(const PhotonStore *s, PhotonBatch *batch, bool tried, uint64_t first,
                        uint64_t n, Tracer *t)
 {
-    uint32_t sequence = UINT32_MAX - 1 - (s->light == PHOTONS_CAUSTIC ? 2u : 0u) - (tried ? 1u : 0u);
+    uint32_t sequence = UINT32_MAX - 1 - 2 * (s->light == PHOTONS_CAUSTIC) - tried;
 
     sampler_pixel(&t->sampler, sequence, (uint32_t)(first >> 32));
     for (uint64_t i = 0; i < n; i++) {
@@ -304,11 +304,25 @@ INLINE float kernel_at(Kernel k, float q)
     return 0.0f;
 }
 
-/* The photons that count, in *found, and how many they are; *r2: of the disc. */
-static uint32_t photons_near(const PhotonStore *s, const PhotonLook *look, V3 p, Near *found,
-                             const Near **first, float *r2)
+/* Whether the photon is where a record is, and not one by which records are estimated. */
+static bool has_record(const Photon *p)
 {
-    uint32_t n = pointtree_nearest(&s->tree, p, look->radius2, look->k, found);
+    uint64_t place = (uint64_t)bits_of_float(p->p[0]) << 32 | bits_of_float(p->p[1]);
+    return key_with(place, (uint64_t)p->ways << 32 | bits_of_float(p->p[2])) % RECORD_STEP == 0;
+}
+
+static bool has_none(const void *ctx, uint32_t i)
+{
+    return !has_record(&((const PhotonStore *)ctx)->photons[i]);
+}
+
+/* The photons that count, in *found, and how many they are; *r2: of the disc. */
+static uint32_t photons_near(const PhotonStore *s, const PhotonLook *look, V3 p, bool all,
+                             Near *found, const Near **first, float *r2)
+{
+    uint32_t n = all ? pointtree_nearest(&s->tree, p, look->radius2, look->k, found)
+                     : pointtree_nearest_of_some(&s->tree, p, look->radius2, look->k, found,
+                                                 has_none, s);
 
     *first = found;
     *r2 = look->radius2;
@@ -331,7 +345,7 @@ Rgb photonstore_radiance(const PhotonStore *s, const PhotonLook *look, const Ver
     Rgb sum = rgb_all(0.0f);
     const Near *a;
     float r2;
-    uint32_t n = photons_near(s, look, v->s.p, found, &a, &r2);
+    uint32_t n = photons_near(s, look, v->s.p, true, found, &a, &r2);
 
     if (disc)
         *disc = r2;
@@ -345,23 +359,6 @@ Rgb photonstore_radiance(const PhotonStore *s, const PhotonLook *look, const Ver
         }
     }
     return n ? rgb_scale(sum, scale_of(s, r2)) : sum;
-}
-
-/* Irradiance on the side of n. */
-static Rgb irradiance(const PhotonStore *s, const PhotonLook *look, V3 p, V3 n, float *r2)
-{
-    Near found[PHOTONS_NEAREST_MOST];
-    Rgb sum = rgb_all(0.0f);
-    const Near *a;
-    uint32_t count = photons_near(s, look, p, found, &a, r2);
-
-    for (uint32_t i = 0; i < count; i++) {
-        const Photon *at = &s->photons[a[i].i];
-        if (v_dot(photon_wi(at), n) > 0.0f)
-            sum = rgb_add(sum, rgb_scale(photon_flux(at),
-                                         kernel_at(look->kernel, a[i].d2 / *r2)));
-    }
-    return count ? rgb_scale(sum, scale_of(s, *r2)) : sum;
 }
 
 /* ---- records ---- */
@@ -379,18 +376,44 @@ void photonrecords_clear(PhotonRecords *r)
     r->n = 0;
 }
 
+/* Records as the photons that are there: their places and normals stay. */
+static bool place_records(PhotonRecords *r, const PhotonStore *s)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < s->n; i++)
+        n += has_record(&s->photons[i]);
+    r->records = MEM_ARRAY(Photon, n);
+    if (!r->records)
+        return false;
+    for (uint32_t i = 0; i < s->n; i++)
+        if (has_record(&s->photons[i]))
+            r->records[r->n++] = s->photons[i];
+    return pointtree_init(&r->tree, r->records, n, sizeof *r->records);
+}
+
 uint64_t photonrecords_units(PhotonRecords *r, const PhotonStore *s, int stage)
 {
-    if (stage == 0) {
-        uint32_t n = (s->n + RECORD_STEP - 1) / RECORD_STEP;
-        r->records = MEM_ARRAY(Photon, n);
-        if (r->records && pointtree_init(&r->tree, r->records, n, sizeof *r->records))
-            r->n = n;
-        else
-            photonrecords_clear(r);
-        return (r->n + RECORDS - 1) / RECORDS;
+    if (stage == 0 && !place_records(r, s))
+        photonrecords_clear(r);
+    return stage == 0 ? (r->n + RECORDS - 1) / RECORDS : r->n > 0;
+}
+
+/* Irradiance on the side of n, where a record is; *r2: squared radius of the disc. */
+static Rgb irradiance(const PhotonStore *s, const PhotonLook *look, V3 p, V3 n, float *r2)
+{
+    Near found[PHOTONS_NEAREST_MOST];
+    Rgb sum = rgb_all(0.0f);
+    const Near *a;
+    uint32_t count = photons_near(s, look, p, false, found, &a, r2);
+
+    for (uint32_t i = 0; i < count; i++) {
+        const Photon *at = &s->photons[a[i].i];
+        if (v_dot(photon_wi(at), n) > 0.0f)
+            sum = rgb_add(sum, rgb_scale(photon_flux(at),
+                                         kernel_at(look->kernel, a[i].d2 / *r2)));
     }
-    return r->n > 0;
+    return count ? rgb_scale(sum, scale_of(s, *r2) * RECORD_STEP / (RECORD_STEP - 1)) : sum;
 }
 
 void photonrecords_run(PhotonRecords *r, const PhotonStore *s, const PhotonLook *look, int stage,
@@ -403,13 +426,13 @@ void photonrecords_run(PhotonRecords *r, const PhotonStore *s, const PhotonLook 
         return;
     }
     for (uint32_t i = (uint32_t)unit * RECORDS; i < end && i < r->n; i++) {
-        const Photon *p = &s->photons[(size_t)i * RECORD_STEP];
-        V3 n = photon_normal(p);
+        Photon *p = &r->records[i];
+        V3 at = photon_place(p), n = photon_normal(p);
+        uint32_t normal = p->ways & ((1u << 2 * NORMAL_BITS) - 1);
         float r2;
-        Rgb E = irradiance(s, look, photon_place(p), n, &r2);
-        r->records[i] = photon_of(photon_place(p), E, n, n);
-        r->records[i].ways = (bits_of_float(sqrtf(r2)) & RADIUS_BITS) |
-                             (p->ways & ((1u << 2 * NORMAL_BITS) - 1));
+        Rgb E = irradiance(s, look, at, n, &r2);
+        *p = photon_of(at, E, n, n);
+        p->ways = (bits_of_float(sqrtf(r2)) & RADIUS_BITS) | normal;
     }
 }
 

@@ -81,13 +81,16 @@ typedef struct {
     float  radius2;             /* squared cap of the radius */
 } PhotonLook;
 
-/* Radiance towards the viewer of the light that the store's photons tell of; *r2: the disc's squared
- * radius (NULL: not wanted). */
-Rgb photonstore_radiance(const PhotonStore *s, const PhotonLook *look, const Vertex *v, float *r2);
+/* Radiance towards the viewer of the light that the store's photons tell of; *r2: squared radius of
+ * the disc (NULL: not wanted). */
+Rgb photonstore_radiance(const PhotonStore *s, const PhotonLook *look, const Vertex *v,
+                         float *r2);
 
-/* Irradiance of matt surfaces, estimated beforehand at one photon in RECORD_STEP, for final gather
- * [Christensen99]: as photons are, but that they look the way of their normal, and in the place of
- * where light comes from stands the radius of the estimate. A store is filled first. */
+/* Irradiance of matt surfaces, estimated beforehand for final gather [Christensen99]: where one
+ * photon in RECORD_STEP is, chosen by chance, from all others, so that neither the photon itself
+ * nor the room around it can make the estimate brighter or darker. Records are as photons are, but
+ * with irradiance as flux, and with the radius of the estimate in the place of where light comes
+ * from. */
 typedef struct {
     Photon *records;            /* owned: in the tree's order */
     uint32_t n;
