@@ -1,7 +1,7 @@
 /* bsdf.c -- the list of models. See bsdf.h. */
 #include "bsdf/bsdf.h"
 
-extern const BsdfKind bsdf_diffuse, bsdf_orennayar, bsdf_diffusetransmission, bsdf_phong,
+extern const BsdfKind bsdf_orennayar, bsdf_diffusetransmission, bsdf_phong,
                       bsdf_mirror, bsdf_dielectric, bsdf_thindielectric, bsdf_conductor,
                       bsdf_coateddiffuse, bsdf_coatedconductor, bsdf_ashikhminshirley, bsdf_ward,
                       bsdf_blinn, bsdf_lafortune, bsdf_measured;

@@ -40,6 +40,16 @@ void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s)
     b->medium = medium_beyond(&v->s, s->wi, b->medium);
 }
 
+bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t)
+{
+    BsdfSample bs;
+
+    if (!(v->b->flags & BSDF_SPECULAR) || !vertex_sample(v, t, b->depth, &bs) || bs.pdf_w > 0.0f)
+        return false;
+    beam_turn(b, v, &bs);
+    return !rgb_black(b->throughput);
+}
+
 bool beam_survives(Beam *b, int roulette, Tracer *t)
 {
     float q;

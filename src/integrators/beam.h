@@ -53,6 +53,10 @@ Rgb beam_shows_beyond(const Beam *b, Tracer *t);
 /* Goes on from the vertex by that event, s->wi of the world. */
 void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s);
 
+/* On through a mirror or a pane, by the decisions of its number. False: the event is none of delta,
+ * or nothing is left. */
+bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t);
+
 /* How much of a unit of energy is left, whatever the index it is in. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
 

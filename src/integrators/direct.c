@@ -14,7 +14,6 @@
 #include "integrators/direct.h"
 
 #include "base/mem.h"
-#include "integrators/beam.h"
 #include "integrators/twostage.h"
 #include "lightsampling/visibility.h"
 
@@ -32,7 +31,7 @@ const DirectStrategy *const direct_strategies[] = { STRATEGIES_OF_DIRECT(ENTRY) 
 extern const DirectStrategy direct_sorted;      /* strategy=light with lights=ward or shirley */
 
 /* The tally wants what is added to the picture: scaled here, by the throughput. */
-static Rgb scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
+Rgb direct_scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
 {
     Tally *tally = t->tally, own;
     Rgb L;
@@ -51,17 +50,6 @@ static Rgb scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
         t->tally = tally;
     }
     return rgb_mul(b->throughput, L);
-}
-
-/* On through a mirror or a pane. False: the event is none of delta. */
-static bool follow(Beam *b, const Vertex *v, Tracer *t)
-{
-    BsdfSample bs;
-
-    if (!(v->b->flags & BSDF_SPECULAR) || !vertex_sample(v, t, b->depth, &bs) || bs.pdf_w > 0.0f)
-        return false;
-    beam_turn(b, v, &bs);
-    return !rgb_black(b->throughput);
 }
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
@@ -84,14 +72,14 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             return sum;
         if (event == SCATTERS) {
             u = turn_within(scene, p, b.ray.d, b.ray.time, b.medium, b.depth);
-            return rgb_add(sum, scattered(it, &b, &u, t));
+            return rgb_add(sum, direct_scattered(it, &b, &u, t));
         }
         vertex_make(&v, scene, b.ray.d);
         if (vertex_is_smooth(&v)) {
             u = turn_on(&v, b.ray.d, b.medium, b.depth);
-            sum = rgb_add(sum, scattered(it, &b, &u, t));
+            sum = rgb_add(sum, direct_scattered(it, &b, &u, t));
         }
-        if (!follow(&b, &v, t))
+        if (!beam_turns_by_delta(&b, &v, t))
             return sum;
     }
 }
@@ -271,3 +259,19 @@ const IntegratorKind integrator_direct = {
     .open = open_direct, .close = close_direct, .radiance = radiance, .prepare = prepare,
     .phases = 1, .units = units, .run = run
 };
+
+Integrator *direct_open(const Scene *s, const Opts *of)
+{
+    Integrator *it;
+    Opts o;
+
+    opts_default(&o, options);
+    for (int i = 0; o.defs[i].key; i++)
+        for (int j = 0; of->defs[j].key; j++)
+            if (!strcmp(o.defs[i].key, of->defs[j].key))
+                o.value[i] = of->value[j];
+    it = open_direct(s, &o);
+    if (it)
+        it->kind = &integrator_direct;
+    return it;
+}

@@ -3,6 +3,7 @@
 #ifndef INTEGRATORS_DIRECT_H
 #define INTEGRATORS_DIRECT_H
 
+#include "integrators/beam.h"
 #include "integrators/lighting.h"
 
 typedef struct Direct Direct;
@@ -40,5 +41,11 @@ struct Direct {
     void *own;                  /* of the strategy */
     uint64_t units;             /* of its preparation */
 };
+
+/* For other methods, which have options of these names: the integrator, and what its strategy finds
+ * at a turn of the beam. NULL: reported. */
+Integrator *direct_open(const Scene *s, const Opts *of);
+Rgb direct_scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t);
+extern const IntegratorKind integrator_direct;
 
 #endif

@@ -29,6 +29,7 @@ const Light *particle_leaves(Particle *p, const LightSampler *by, float time, Tr
     p->flux = rgb_scale(e->L, e->cosine / (pmf * e->pdf_a * e->pdf_w));
     p->first = rgb_max(p->flux);
     p->depth = 0;
+    p->deltas = true;
     return p->first > 0.0f && place(p, s, l, e, time) ? l : NULL;
 }
 
@@ -51,6 +52,7 @@ bool particle_scatters(Particle *p, const Vertex *v, Tracer *t)
     p->flux = rgb_scale(rgb_mul(p->flux, s.weight), vertex_skew(v, s.wi, local));
     p->ray = vertex_ray(v, s.wi);
     p->medium = medium_beyond(&v->s, s.wi, p->medium);
+    p->deltas = p->deltas && s.pdf_w == 0.0f;
     p->depth++;
     return !rgb_black(p->flux);
 }
@@ -61,6 +63,7 @@ bool particle_scatters_within(Particle *p, V3 at, Tracer *t)
                             sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, p->depth + 1)));
     p->ray.o = at;
     p->ray.tmax = INFINITY;
+    p->deltas = false;
     p->depth++;
     return true;
 }

@@ -21,6 +21,7 @@ typedef struct {
     float first;                /* largest channel that it began with */
     int   depth;                /* scattering events so far */
     uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
+    bool  deltas;               /* all of the events were of delta */
 } Particle;
 
 /* Leaves a lamp, chosen by decisions LIGHT, LIGHT_POINT and DIRECTION number 0; by: a sampler that
