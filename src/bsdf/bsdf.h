@@ -94,6 +94,8 @@ INLINE int bsdf_deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])
 /* Gives a mixture, made before, its two parts, which are borrowed. Without them it is black. */
 void mix_parts(Bsdf *b, const Bsdf *first, const Bsdf *second);
 extern const BsdfKind bsdf_mix;
+/* The one whose f does not depend on directions, but for their sides. */
+extern const BsdfKind bsdf_diffuse;
 
 INLINE float cos_of(V3 w) { return w.z; }
 INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }

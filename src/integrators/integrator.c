@@ -10,7 +10,8 @@
     X(ao)                       /* how open the surroundings are */            \
     X(direct)                   /* light scattered once */                     \
     X(light)                    /* paths from the lamps */                     \
-    X(photons)                  /* the same by chance alone */
+    X(photons)                  /* the same by chance alone */                 \
+    X(instantradiosity)         /* a few lights that stand for all */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
