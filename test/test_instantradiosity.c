@@ -95,7 +95,30 @@ static void lamps(void)
     }
 }
 
-/* Eye paths by mirrors count as parts of paths: none is too long or too short. */
+/* No path has more edges than it may. */
+static void expect_no_longer(Lab *l, const char *method, int edges)
+{
+    RenderSettings s;
+    RenderReport report;
+    char aov[40];
+    Image im;
+    Film f;
+
+    snprintf(aov, sizeof aov, "length:%d=a.pfm", edges + 1);
+    picture_settings(l, &s, method, 32, 32, 1);
+    REQUIRE(aov_parse(&s.aovs[0], aov), "%s", aov);
+    s.naovs = 1;
+    picture_render(l, &s, &f, &report);
+    REQUIRE(image_init(&im, 32, 32), "memory");
+    film_picture(&f, 1, &im);
+    for (int i = 0; i < 32 * 32; i++)
+        EXPECT(rgb_black(im.pixels[i]), "%s: a path of %d edges", method, edges + 1);
+    image_clear(&im);
+    film_clear(&f);
+}
+
+/* Eye paths by mirrors count as parts of paths: none is too long or too short. A wall of mirror
+ * lights the floor too. */
 static void mirror(void)
 {
     for (int depth = 1; depth <= 3; depth++) {
@@ -105,10 +128,13 @@ static void mirror(void)
         add_lamp(&l, "quad");
         add_plates(&l);
         lab_sphere(&l, v3(0, -2.5f, 2.5f), 0.6f, lab_material(&l, "mirror", ""), false);
+        lab_quad(&l, v3(-3, 3, 0), v3(6, 0, 0), v3(0, 0, 4), lab_material(&l, "mirror", ""));
         lab_build(&l);
         snprintf(path, sizeof path, "path:maxdepth=%d", depth);
         snprintf(ours, sizeof ours, "lights=256,maxdepth=%d,compensate=true", depth);
         compare_as(&l, path, ours, 16, 2, 0.2, path);
+        snprintf(path, sizeof path, "instantradiosity:lights=9,maxdepth=%d", depth);
+        expect_no_longer(&l, path, depth + 1);
         lab_clear(&l);
     }
 }
