@@ -7,6 +7,7 @@
     { "integrator/light", 0x838072C285671599 },
     { "integrator/photons", 0x4060BF4C4DBCC15C },
     { "integrator/photonmap", 0x3BD52B067FF23D82 },
+    { "integrator/instantradiosity", 0xF2F15E0CC2FCF936 },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },
     { "sampler/stratified", 0x93C7D3AC21D43881 },

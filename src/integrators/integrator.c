@@ -11,7 +11,8 @@
     X(direct)                   /* light scattered once */                     \
     X(light)                    /* paths from the lamps */                     \
     X(photons)                  /* the same by chance alone */                 \
-    X(photonmap)                /* photons kept, and looked up */
+    X(photonmap)                /* photons kept, and looked up */              \
+    X(instantradiosity)         /* a few lights that stand for all */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

@@ -18,11 +18,18 @@ static bool only_beyond(const Scene *s)
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative,
                    bool directions)
 {
+    return lighting_init_as(it, s, opt_string(o, "lightsampler"), opt_is(o, "heuristic", "power"),
+                            opt_is(o, "sky", "bright"), tentative, directions);
+}
+
+bool lighting_init_as(Lighting *it, const Scene *s, const char *lightsampler, bool power,
+                      bool bright, bool tentative, bool directions)
+{
     memset(it, 0, sizeof *it);
     it->scene = s;
-    it->power = opt_is(o, "heuristic", "power");
-    it->bright = opt_is(o, "sky", "bright");
-    it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
+    it->power = power;
+    it->bright = bright;
+    it->lights = lightsampler_open(lightsampler, s);
     if (!it->lights)
         return false;
     it->tentative = tentative || only_beyond(s);
@@ -213,8 +220,9 @@ static float direction_weight(const Lighting *it, const Turn *u, V3 wi, float ow
     return weight_of(it, own, n_light * all_pdf_w(it, u, wi));
 }
 
-bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own, float n_light,
-                     Tracer *t, Candidate *c)
+/* beyond: lights of shapes bring nothing. */
+static bool cast_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own,
+                       float n_light, bool beyond, Tracer *t, Candidate *c)
 {
     Rgb left = rgb_all(1.0f), L;
     uint32_t medium = turn_medium(u, wi);
@@ -224,6 +232,8 @@ bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float 
 
     c->ray = r = turn_ray(u, wi);
     met = ray_meets(t, &r, &medium, &left, &s);
+    if (met && beyond)
+        return false;
     L = coming(it, u, wi, met ? &s : NULL, own, n_light);
     if (rgb_black(L))
         return false;
@@ -232,6 +242,18 @@ bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float 
     c->known = true;
     c->how = STRATEGY_IMPLICIT;
     return true;
+}
+
+bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own, float n_light,
+                     Tracer *t, Candidate *c)
+{
+    return cast_along(it, u, wi, f_cos, own, n_light, false, t, c);
+}
+
+bool candidate_beyond(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own,
+                      float n_light, Tracer *t, Candidate *c)
+{
+    return cast_along(it, u, wi, f_cos, own, n_light, true, t, c);
 }
 
 /* ---- tentatively ---- */

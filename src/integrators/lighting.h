@@ -31,6 +31,9 @@ typedef struct {
 
 /* By the options `lightsampler`, `heuristic` and `sky`. False: reported. */
 bool lighting_init(Lighting *it, const Scene *s, const Opts *o, bool tentative, bool directions);
+/* By names, not by options. */
+bool lighting_init_as(Lighting *it, const Scene *s, const char *lightsampler, bool power,
+                      bool bright, bool tentative, bool directions);
 /* How many samples a turn has, before the first: see light_sample. */
 void lighting_shares(Lighting *it, int by_light, int by_scattering);
 void lighting_clear(Lighting *it);
@@ -102,6 +105,10 @@ bool candidate_of_light(const Lighting *it, const Turn *u, const Light *l, float
  * n_light samples of lights. */
 bool candidate_along(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own, float n_light,
                      Tracer *t, Candidate *c);
+
+/* The same of lights beyond the scene alone. */
+bool candidate_beyond(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float own,
+                      float n_light, Tracer *t, Candidate *c);
 
 /* The light of a sample, whose L is over its density already, taken own times. */
 bool candidate_seen(const Turn *u, const LightSample *ls, float own, Candidate *c);

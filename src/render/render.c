@@ -227,6 +227,7 @@ static void run_phase(Job *j, int phase)
             look(j);
     }
     j->first_unit = 0;
+    j->ended = j->ended || j->integrator->failed;
 }
 
 static void run_phases(Job *j)
@@ -247,7 +248,7 @@ static bool prepare(Job *j)
         return false;
     if (!phases_are_anew(k))
         run_phases(j);
-    return true;
+    return !j->integrator->failed;
 }
 
 /* Samples of the next pass: few at first, for an early picture, then twice as many as before. */
@@ -457,7 +458,7 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
             run_passes(&j);
         report_now(&j, report);
         progress_end(&j.progress);
-        ok = ok && report_refused(film);
+        ok = ok && !j.integrator->failed && report_refused(film);
     }
     job_clear(&j);
     if (!ok)

@@ -28,6 +28,8 @@ typedef struct {
     bool  turned;               /* and whether those of the second go the other way round */
 } Area;
 
+extern const LightKind light_diffuse;
+
 INLINE const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
 INLINE const Shape *shape_of(const Area *l) { return &geometry_of(l)->shapes[l->shape]; }
 
