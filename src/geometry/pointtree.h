@@ -8,10 +8,10 @@
  *             points' box, with half of them on either side. Below plane number i of level l are
  *             the points from i n >> l up to (i + 1) n >> l, so at the end each leaf knows its 4 to
  *             8 neighbours in memory. Planes take 5 bytes each: less than 1.3 a point.
- * Order       Nearer is: by squared distance in float, then by number. All answers are exact in that
- *             order, as a search through all points would give them: no bound by which the tree
- *             passes points over can round up past them, for it rounds as the distance does, and
- *             rounding keeps order. */
+ * Order       Nearer is: by squared distance in float, then by number. All answers are exact in
+ *             that order, as a search through all points would give them: no bound by which the
+ *             tree passes points over can round up past them, for it rounds as the distance does,
+ *             and rounding keeps order. */
 #ifndef GEOMETRY_POINTTREE_H
 #define GEOMETRY_POINTTREE_H
 

@@ -5,7 +5,7 @@
  * Parts       Where the eye's ray ends, mirrors and glass followed: what comes straight from lamps
  *             is `direct`'s business, by any of its strategies. What comes by way of mirrors and
  *             glass alone is looked up in a map of its own, the caustic map, which has photons
- *             where that light is bright. The rest is indirect light, for which there are two views:
+ *             where that light is bright. The rest is indirect light, of which there are two views:
  * Direct view looks it up, too, in a map of all photons but those. It is smooth, blotchy, and dark
  *             in corners, by what the document's figure shows.
  * Gather      sends out rays by the surface, `gather` of them, and looks up there what all photons
