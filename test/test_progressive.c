@@ -1,0 +1,2 @@
+#include "test/pictures.h"
+const TestCase test_progressive[] = { { NULL, NULL, false } };
