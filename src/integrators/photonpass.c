@@ -221,8 +221,10 @@ float photonpass_reach(const PhotonPass *pp, V3 p, int k, float most)
         int n = 0;
         while (pointgrid_next(&w, &d2))
             keep(heap, &n, k, d2);
-        if (n == k)
-            return sqrtf(heap[0]);
+        if (n == k) {           /* not a rounding more: it would be within, one too many */
+            r = sqrtf(heap[0]);
+            return r * r > heap[0] ? r * (1.0f - 0x1p-23f) : r;
+        }
         if (r >= most)
             return most;
         r = f_min(2.0f * r, most);
