@@ -322,6 +322,7 @@ static void together(void)
 {
     expect_mean_of_stills("path:maxdepth=3");
     expect_mean_of_stills("ao:distance=1");
+    expect_mean_of_stills("sppm:maxdepth=3,radius=0.1,photons=200");
 }
 
 const TestCase test_motion[] = {

@@ -92,7 +92,7 @@ static void radius_of(const char *name, double alpha)
     snprintf(method, sizeof method, "%s,radius=%g,alpha=%g,photons=4096,maxdepth=2", name, RADIUS,
              alpha);
     for (int k = 0; k < 4; k++) {
-        Stat st = mean_of(&l, method, passes[k], k < 2 ? 32 : 16);
+        Stat st = mean_of(&l, method, passes[k], k < 2 ? 16 : 8);
         stat_expect(&st, truth * after((int)passes[k], alpha), 0.05, method);
         wrong[k] = 1 - st.mean / truth;
     }
@@ -219,11 +219,168 @@ static void caustic(void)
     }
 }
 
+/* ---- the picture as a whole ---- */
+
+static void any_scene(Lab *l)
+{
+    lab_init(l);
+    lamp_add(l, "quad");
+    lamp_add(l, "picture");
+    lamp_things(l);
+    lab_sphere(l, v3(0, -1.5f, 0.5f), 0.5f, lab_material(l, "dielectric", ""), false);
+    lab_camera(l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
+    lab_build(l);
+}
+
+/* Bytes do not depend on threads; parts by length and strategy add up to the picture. */
+static void parts_of(Lab *l, const char *method)
+{
+    static const char *const aovs[] = { "strategy:implicit=a.pfm", "strategy:explicit=b.pfm",
+                                        "strategy:merge=c.pfm", "length:1=d.pfm", "length:2=e.pfm",
+                                        "length:3=f.pfm", "length:4=g.pfm", "length:5=h.pfm" };
+    enum { AOVS = sizeof aovs / sizeof *aovs };
+    Image part[1 + AOVS];
+    RenderSettings s;
+    RenderReport report;
+    Film one, three;
+
+    picture_settings(l, &s, method, 40, 24, 3);
+    for (int k = 0; k < AOVS; k++)
+        REQUIRE(aov_parse(&s.aovs[k], aovs[k]), "%s", aovs[k]);
+    s.naovs = AOVS;
+    picture_render(l, &s, &one, &report);
+    s.threads = 3;
+    picture_render(l, &s, &three, &report);
+    EXPECT(films_equal(&one, &three), "%s: threads change the picture", method);
+    for (int k = 0; k <= AOVS; k++) {
+        REQUIRE(image_init(&part[k], 40, 24), "memory");
+        film_picture(&one, k, &part[k]);
+    }
+    for (int i = 0; i < 40 * 24; i++) {
+        float all = part[0].pixels[i].g, strategies = 0, lengths = 0;
+        for (int k = 1; k <= AOVS; k++)
+            *(k <= 3 ? &strategies : &lengths) += part[k].pixels[i].g;
+        EXPECT(fabsf(all - strategies) <= 1e-5f * all && fabsf(all - lengths) <= 1e-5f * all,
+               "pixel %d: %g, by strategy %g, by length %g", i, (double)all, (double)strategies,
+               (double)lengths);
+    }
+    for (int k = 0; k <= AOVS; k++)
+        image_clear(&part[k]);
+    film_clear(&one);
+    film_clear(&three);
+}
+
+static void parts(void)
+{
+    Lab l;
+
+    any_scene(&l);
+    parts_of(&l, "sppm:maxdepth=4,photons=3000");
+    parts_of(&l, "sppm:maxdepth=4,radius=0.3,glossy=follow@random@gaussian");
+    parts_of(&l, "ppm:maxdepth=4,samples=2");
+    lab_clear(&l);
+}
+
+/* The estimate of noise: as far apart as two pictures are. */
+static void error(void)
+{
+    RenderSettings s;
+    RenderReport report;
+    Image im[2];
+    double squares = 0, mean = 0;
+    Film film;
+    Lab l;
+
+    any_scene(&l);
+    picture_settings(&l, &s, "sppm:photons=4096", 32, 32, 0);
+    s.error = 0.1;
+    for (int k = 0; k < 2; k++) {
+        s.seed = (uint64_t)k;
+        picture_render(&l, &s, &film, &report);
+        EXPECT(film_error(&film) <= 0.1 && report.spp >= 4, "it ends at %g", film_error(&film));
+        REQUIRE(image_init(&im[k], 32, 32), "memory");
+        film_picture(&film, 0, &im[k]);
+        film_clear(&film);
+    }
+    for (int i = 0; i < 32 * 32; i++) {
+        double a = rgb_lum(im[0].pixels[i]), b = rgb_lum(im[1].pixels[i]);
+        squares += (a - b) * (a - b) / 2;
+        mean += (a + b) / 2;
+    }
+    squares = sqrt(squares * 32 * 32) / mean;
+    EXPECT(squares < 0.14 && squares > 0.05, "asked for 0.1, got %g", squares);
+    image_clear(&im[0]);
+    image_clear(&im[1]);
+    lab_clear(&l);
+}
+
+/* ---- input ---- */
+
+static bool opens(Lab *l, const char *method)
+{
+    Opts o;
+    const IntegratorKind *k = lab_method(l, method, &o);
+    Integrator *it = k->open(l->scene, &o);
+
+    if (!it)
+        return false;
+    k->close(it);
+    return true;
+}
+
+static void refused(void)
+{
+    Medium fog = { "fog", { 0, 0, 0 }, { 1, 1, 1 }, 0 };
+    unsigned before;
+    Lab l;
+
+    messages_quiet(true);
+    any_scene(&l);
+    EXPECT(!opens(&l, "sppm:radius=100") && !opens(&l, "ppm:radius=100"), "beyond the scene");
+    EXPECT(opens(&l, "sppm:radius=1"), "a radius of 1");
+    before = warnings_count();
+    REQUIRE(scene_add_medium(l.scene, &fog, NULL), "memory");
+    EXPECT(opens(&l, "sppm") && opens(&l, "ppm") && warnings_count() == before + 2, "fog");
+    lab_clear(&l);
+}
+
+/* Without lamps black; at maxdepth=0 the lamps alone; at 1, or where particles meet nothing again,
+ * what lamps show and light at once. */
+static void dark(void)
+{
+    for (int lamps = 0; lamps < 2; lamps++) {
+        Stat st, truth;
+        Lab l;
+        lab_init(&l);
+        if (lamps)
+            lamp_add(&l, "quad");
+        lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
+        lab_camera(&l, v3(0, -7, 2), v3(0, 0, 2), 60, "");
+        lab_build(&l);
+        for (int depth = 0; depth < 4; depth++) {
+            char method[80];
+            snprintf(method, sizeof method, "sppm:photons=%d,maxdepth=%d", depth, depth);
+            st = mean_of(&l, method, 64, 8);
+            snprintf(method, sizeof method, "path:maxdepth=%d", depth);
+            truth = mean_of(&l, method, 64, 8);
+            if (lamps)
+                stat_expect_same(&st, &truth, 0.6, "lamps alone");
+            else
+                stat_expect(&st, 0, 0.6, "no lamps");
+        }
+        lab_clear(&l);
+    }
+}
+
 const TestCase test_progressive[] = {
     { "radius", radius, false },
     { "furnace", furnace, false },
     { "lamps", lamps, false },
     { "glossy", glossy, false },
     { "caustic", caustic, false },
+    { "parts", parts, false },
+    { "error", error, false },
+    { "refused", refused, false },
+    { "dark", dark, false },
     { NULL, NULL, false }
 };

@@ -34,6 +34,15 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
     return it->points != NULL;
 }
 
+/* The tally wants what is added to the picture: the mean of the points. */
+static void tally_mean(Tally *tally, float share)
+{
+    for (int k = 0; k < TALLY_LENGTHS; k++)
+        tally->length[k] = rgb_scale(tally->length[k], share);
+    for (int k = 0; k < STRATEGIES; k++)
+        tally->strategy[k] = rgb_scale(tally->strategy[k], share);
+}
+
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Ppm *it = (const Ppm *)base;
@@ -56,6 +65,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         sum = rgb_add(sum, progressive_look(&it->shared, &p[i].ray, &m[i], &light, t));
     }
     t->sampler = now;
+    if (t->tally)
+        tally_mean(t->tally, 1.0f / (float)(end - first));
     return rgb_scale(sum, 1.0f / (float)(end - first));
 }
 

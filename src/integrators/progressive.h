@@ -68,7 +68,7 @@ Rgb progressive_look(const Progressive *it, const Ray *r, Refined *m, const Samp
 #define PROGRESSIVE_OPTIONS                                                    \
     { .key = "radius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,       \
       .help = "the first radius in which photons are gathered; 0: by k" },     \
-    { .key = "k", .type = OPT_INT, .num = 16, .lo = 2, .hi = NEAREST_MOST,     \
+    { .key = "k", .type = OPT_INT, .num = 32, .lo = 2, .hi = NEAREST_MOST,     \
       .help = "photons of the first pass that the first radius holds" },       \
     { .key = "share", .type = OPT_FLOAT, .num = 0.05, .lo = 1e-6, .hi = 1,     \
       .help = "most that the first radius by k may be, of the scene's" },      \
