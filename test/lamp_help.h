@@ -1,5 +1,5 @@
-/* lamp_help.h -- lamps of every kind, and things for them to shine on: for methods that follow light
- * from the lamps. */
+/* lamp_help.h -- lamps of every kind, and things for them to shine on: for methods that follow
+ * light from the lamps. */
 #ifndef TEST_LAMP_HELP_H
 #define TEST_LAMP_HELP_H
 

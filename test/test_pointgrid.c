@@ -122,7 +122,8 @@ static void chunks(void)
         size_t n = sizes[s], count = (POINTS + n - 1) / n;
         REQUIRE(pointgrid_begin(&parts, POINTS, count, 0.004f), "memory");
         for (size_t c = count; c-- > 0;)
-            pointgrid_count(&parts, c, &at[c * n].x, sizeof *at, c + 1 < count ? n : POINTS - c * n);
+            pointgrid_count(&parts, c, &at[c * n].x, sizeof *at,
+                            c + 1 < count ? n : POINTS - c * n);
         pointgrid_arrange(&parts);
         for (size_t c = count; c-- > 0;)
             pointgrid_place(&parts, c, &at[c * n].x, sizeof *at, c + 1 < count ? n : POINTS - c * n,

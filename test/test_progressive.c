@@ -1,9 +1,10 @@
 /* test_progressive.c -- ppm and sppm: what their passes add up to, and how what is wrong falls.
  *
  * Radius      A flat mirror shows the floor a lamp of known place: the light within a disc about
- *             the foot of it is known, so is what each pass brings, by the radius that theory says
- *             it has (where photons are spread evenly R_n^2 = R_1^2 product (i - 1 + alpha) / i over
- *             i < n). Passes must bring that, and what is wrong must fall as n^(alpha - 1).
+ *             the foot of it is known, so is what each pass brings, by the radius that theory
+ *             says it has (where photons are spread evenly R_n^2 = R_1^2 product (i - 1 + alpha)
+ *             / i over i < n). Passes must bring that, and what is wrong must fall as
+ *             n^(alpha - 1).
  * Furnace     In a sphere that shines alike everywhere every sum is known. A sphere's area within
  *             a distance R is pi R^2, so a large radius is wrong only where it turns so far that
  *             photons come from below the horizon of where they are gathered.
@@ -26,7 +27,8 @@ static void add_virtual_lamp(Lab *l)
 {
     lab_quad(l, v3(-8, -8, 0), v3(16, 0, 0), v3(0, 16, 0),
              lab_material(l, "diffuse", "reflectance=0.5"));
-    lab_quad(l, v3(-8, -8, 2), v3(0, 16, 0), v3(16, 0, 0), lab_material(l, "mirror", "reflectance=1"));
+    lab_quad(l, v3(-8, -8, 2), v3(0, 16, 0), v3(16, 0, 0), lab_material(l, "mirror",
+                                                                      "reflectance=1"));
     lab_light(l, "spot", "from=0/0/1,to=0/0/2,I=10,coneangle=50,conedeltaangle=1", NULL);
     lab_camera(l, v3(0.4f, 0, 1), v3(0, 0, 0), 0.01f, "");
     lab_build(l);
@@ -40,8 +42,8 @@ static double within_disc(double R2)
     return 2 * h2 * (1 - 1 / sqrt(1 + R2 / h2)) / R2;
 }
 
-/* What the mean of n passes is, over the truth; with photons as they are expected, in units of those
- * that a disc of area 1 would get in the middle. */
+/* What the mean of n passes is, over the truth; with photons as they are expected, in units of
+ * those that a disc of area 1 would get in the middle. */
 static double after(int n, double alpha)
 {
     double R2 = RADIUS * RADIUS, sum = 0, N = 0;
@@ -281,6 +283,38 @@ static void parts(void)
     lab_clear(&l);
 }
 
+/* A window is that part of the whole picture, but for the order in which photons are added up. */
+static void window(void)
+{
+    static const char *const methods[] = { "sppm:k=10", "ppm:samples=2,radius=0.4" };
+    Lab l;
+
+    any_scene(&l);
+    for (int m = 0; m < 2; m++) {
+        RenderSettings s;
+        RenderReport report;
+        Image all, part;
+        Film film;
+        picture_settings(&l, &s, methods[m], 40, 24, 4);
+        picture_render(&l, &s, &film, &report);
+        REQUIRE(image_init(&all, 40, 24) && image_init(&part, 9, 5), "memory");
+        film_picture(&film, 0, &all);
+        film_clear(&film);
+        memcpy(s.crop, (uint32_t[4]){ 20, 11, 29, 16 }, sizeof s.crop);
+        picture_render(&l, &s, &film, &report);
+        film_picture(&film, 0, &part);
+        film_clear(&film);
+        for (uint32_t i = 0; i < 45; i++) {
+            float a = image_at(&all, 20 + i % 9, 11 + i / 9)->g, b = part.pixels[i].g;
+            EXPECT(fabsf(a - b) <= 1e-5f * a, "%s: pixel %u is %g, in the window %g", methods[m], i,
+                   (double)a, (double)b);
+        }
+        image_clear(&all);
+        image_clear(&part);
+    }
+    lab_clear(&l);
+}
+
 /* The estimate of noise: as far apart as two pictures are. */
 static void error(void)
 {
@@ -379,6 +413,7 @@ const TestCase test_progressive[] = {
     { "glossy", glossy, false },
     { "caustic", caustic, false },
     { "parts", parts, false },
+    { "window", window, false },
     { "error", error, false },
     { "refused", refused, false },
     { "dark", dark, false },
