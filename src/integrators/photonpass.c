@@ -11,10 +11,10 @@ enum { TRACE, BEGIN, COUNT, ARRANGE, PLACE, SORT };     /* phases: see pointgrid
 
 typedef struct {
     float  at[3];
-    Photon photon;
+    PassPhoton photon;
 } Arrival;
 
-struct PhotonBatch {
+struct PassBatch {
     Arrival *arrivals;          /* owned */
     size_t n, cap;
 };
@@ -38,7 +38,7 @@ bool photonpass_particles(PhotonPass *pp, uint64_t n)
     if (batches > SIZE_MAX)
         return err_memory(SIZE_MAX);
     pp->nbatches = (size_t)batches;
-    pp->batches = MEM_ARRAY(PhotonBatch, pp->nbatches);
+    pp->batches = MEM_ARRAY(PassBatch, pp->nbatches);
     if (!pp->batches)
         pp->nbatches = 0;
     return pp->batches != NULL;
@@ -65,7 +65,7 @@ static bool takes(const PhotonPass *pp, const Vertex *v)
 }
 
 /* False: there is no memory for it, reported. */
-static bool leave(PhotonBatch *b, const Particle *p, const Vertex *v)
+static bool leave(PassBatch *b, const Particle *p, const Vertex *v)
 {
     V3 wi = v_neg(p->ray.d);
     float up = v_absdot(wi, v->s.ng), cosine = up > 0.0f ? fabsf(v->wo.z) / up : 0.0f;
@@ -85,7 +85,7 @@ static bool meets(Particle *p, Vertex *v, Tracer *t)
     return true;
 }
 
-static bool shoot(const PhotonPass *pp, PhotonBatch *b, Tracer *t)
+static bool shoot(const PhotonPass *pp, PassBatch *b, Tracer *t)
 {
     Particle p;
     Emission e;
@@ -108,7 +108,7 @@ static bool shoot(const PhotonPass *pp, PhotonBatch *b, Tracer *t)
 /* Particle number (pass * particles + its own) of one sequence: see light.c. */
 static void trace(PhotonPass *pp, uint32_t pass, uint64_t unit, Tracer *t)
 {
-    PhotonBatch *b = &pp->batches[unit];
+    PassBatch *b = &pp->batches[unit];
     uint64_t i = unit * BATCH, end = i + BATCH < pp->particles ? i + BATCH : pp->particles;
 
     b->n = 0;
@@ -170,7 +170,7 @@ uint64_t photonpass_units(const PhotonPass *pp, int phase)
 
 void photonpass_run(PhotonPass *pp, uint32_t pass, int phase, uint64_t unit, float edge, Tracer *t)
 {
-    const PhotonBatch *b = phase == SORT ? NULL : &pp->batches[unit];
+    const PassBatch *b = phase == SORT ? NULL : &pp->batches[unit];
     const float *at = b && b->arrivals ? b->arrivals->at : NULL;
 
     switch (phase) {

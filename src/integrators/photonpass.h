@@ -19,9 +19,9 @@ typedef struct {
     float flux[3];              /* watts of the pass's particles, not divided by their number */
     float wi[3];                /* unit, whence it came */
     uint32_t events;            /* scattering events before it arrived, at least 1 */
-} Photon;
+} PassPhoton;
 
-typedef struct PhotonBatch PhotonBatch;
+typedef struct PassBatch PassBatch;
 
 typedef struct {
     LightSampler *lights;       /* owned: by power */
@@ -29,11 +29,11 @@ typedef struct {
     int      maxdepth, roulette;        /* most events of a path that ends with one at the eye's */
     bool     matt;              /* only where a surface scatters as matt ones do */
     uint64_t particles;         /* of a pass */
-    PhotonBatch *batches;       /* owned: of some particles each */
+    PassBatch *batches;       /* owned: of some particles each */
     size_t   nbatches;
     int      bits;              /* of a number within its batch */
     PointGrid grid;             /* owned */
-    Photon  *photons;           /* owned: in the order of the grid's points */
+    PassPhoton  *photons;           /* owned: in the order of the grid's points */
     size_t   cap;
 } PhotonPass;
 
@@ -51,7 +51,7 @@ void     photonpass_run(PhotonPass *pp, uint32_t pass, int phase, uint64_t unit,
                         Tracer *t);
 size_t   photonpass_found(const PhotonPass *pp);                /* after phase 0 */
 
-INLINE const Photon *photonpass_photon(const PhotonPass *pp, const PlacedPoint *q)
+INLINE const PassPhoton *photonpass_photon(const PhotonPass *pp, const PlacedPoint *q)
 {
     return &pp->photons[q - pp->grid.points];
 }

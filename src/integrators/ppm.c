@@ -108,8 +108,9 @@ static const OptDef options[] = {
 const IntegratorKind integrator_ppm = {
     .info = { "ppm", "GIRT 2.3.3; Hachisuka08",
               "photons gathered for ever at points that stay, in radii that shrink", options },
-    .truth = CONSISTENT, .misses = "edges and blurs finer than its points", .open = open_ppm,
-    .close = close_ppm, .prepare = prepare, .radiance = radiance, .anew = true,
+    .truth = CONSISTENT,
+    .misses = "edges and blurs finer than its points; light that media scatter",
+    .open = open_ppm, .close = close_ppm, .prepare = prepare, .radiance = radiance, .anew = true,
     .moment = moment, .phases = PROGRESSIVE_PHASES, .units = progressive_units,
     .run = progressive_run
 };

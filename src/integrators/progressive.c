@@ -16,7 +16,7 @@ static Rgb gather(const Progressive *it, const Beam *b, const Vertex *v, float r
     const PlacedPoint *q;
 
     while ((q = pointgrid_next(&w, &d2))) {
-        const Photon *p = photonpass_photon(&it->pass, q);
+        const PassPhoton *p = photonpass_photon(&it->pass, q);
         V3 wi = v3(p->wi[0], p->wi[1], p->wi[2]), local;
         Rgb c;
         if ((int)p->events + b->depth >= it->maxdepth || !vertex_local(v, wi, &local))

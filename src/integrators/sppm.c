@@ -49,7 +49,7 @@ const IntegratorKind integrator_sppm = {
     .info = { "sppm", "GIRT 2.3.4; Hachisuka09",
               "photons gathered where eye paths end, both anew in each pass, in a radius that "
               "shrinks", options },
-    .truth = CONSISTENT, .misses = "", .open = open_sppm, .close = close_sppm,
-    .prepare = prepare, .radiance = radiance, .anew = true, .moment = moment,
+    .truth = CONSISTENT, .misses = "light that media scatter",
+    .open = open_sppm, .close = close_sppm, .prepare = prepare, .radiance = radiance, .anew = true, .moment = moment,
     .phases = PROGRESSIVE_PHASES, .units = progressive_units, .run = progressive_run
 };
