@@ -92,6 +92,9 @@ void bench_paths(void)
     throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=1", "zerotwo", "");
     throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "random", "peer: Mitsuba 0.6 1.03");
     throughput("scenes/s5.pbrt", "path:maxdepth=9,roulette=5", "zerotwo", "");
+    throughput("scenes/s5.pbrt", "path", "zerotwo", "beside the next");
+    throughput("scenes/s5.pbrt", "sppm", "zerotwo", "a path of the eye and a photon's: asked for "
+               "half of the above");
     throughput("scenes/s4.pbrt", "path:maxdepth=9", "zerotwo", "");
     throughput("scenes/cornell.pbrt", "path:maxdepth=12", "zerotwo", "");
 }

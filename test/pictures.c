@@ -109,7 +109,7 @@ void series_render(Lab *l, Series *s, const char *method, uint32_t side, uint32_
     s->tile = MEM_ARRAY(double, (size_t)s->tiles * RUNS);
     REQUIRE(s->tile && image_init(&im, side, side), "memory");
     picture_settings(l, &settings, method, side, side, test_is_long() ? 16 * spp : spp);
-    s->tied = settings.integrator->splats;
+    s->tied = settings.integrator->splats || settings.integrator->anew;
     for (int run = 0; run < RUNS; run++) {
         settings.seed = seed * RUNS + (uint64_t)run;
         picture_render(l, &settings, &film, &report);

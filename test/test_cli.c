@@ -277,7 +277,7 @@ static void wrong_settings(void)
         { "tiny.pbrt --quiet --aov length:17=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
         { "tiny.pbrt --quiet --aov length=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
         { "tiny.pbrt --quiet --aov strategy:both=x.pfm",
-          "--aov strategy:NAME takes implicit, explicit or lens" },
+          "--aov strategy:NAME takes implicit, explicit, lens or merge" },
         { "tiny.pbrt --quiet --aov depth=x.foo", "x.foo: no image is written with the extension "
           "'foo', one of these was expected: {written}" },
     };

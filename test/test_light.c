@@ -1,59 +1,10 @@
 /* test_light.c -- light that comes from the lamps: light tracing against path tracing, for every
  * kind of lamp, camera and surface. */
 #include "geometry/generate.h"
-#include "test/pictures.h"
+#include "test/lamp_help.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/* ---- scenes ---- */
-
-static Rgb some_sky(V3 w)
-{
-    return w.x > 0.5f ? rgb(3, 2, 1) : w.z < -0.5f ? rgb_all(0) : rgb(0.2f, 0.3f, 0.6f);
-}
-
-static void add_lamp(Lab *l, const char *lamp)
-{
-    uint32_t black = lab_material(l, "diffuse", "reflectance=0");
-
-    if (!strcmp(lamp, "quad"))
-        lab_shine(l, lab_quad(l, v3(-1, -1, 4), v3(0, 2, 0), v3(2, 0, 0), black), "L=4/5/6");
-    else if (!strcmp(lamp, "ball"))
-        lab_shine(l, lab_sphere(l, v3(-2, -1, 3), 0.5f, black, false), "L=8/6/4");
-    else if (!strcmp(lamp, "point"))
-        lab_light(l, "point", "from=1/-2/3,I=9", NULL);
-    else if (!strcmp(lamp, "spot"))
-        lab_light(l, "spot", "from=2/-2/4,to=0/0/0,I=40,coneangle=35,conedeltaangle=15", NULL);
-    else if (!strcmp(lamp, "distant"))
-        lab_light(l, "distant", "from=1/-1/2,to=0/0/0,L=2", NULL);
-    else if (!strcmp(lamp, "infinite"))
-        lab_light(l, "infinite", "L=0.5/0.7/1", NULL);
-    else if (!strcmp(lamp, "picture"))
-        lab_sky(l, 16, 8, some_sky, NULL);
-    else
-        REQUIRE(false, "no lamp %s", lamp);
-}
-
-/* A matt floor and wall, a glossy ball and a matt one whose shading normals are far from its flat
- * sides. */
-static void add_things(Lab *l)
-{
-    Mesh ball;
-
-    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(l, "diffuse",
-                                                                     "reflectance=0.7/0.6/0.5"));
-    lab_quad(l, v3(-3, 3, 0), v3(6, 0, 0), v3(0, 0, 3), lab_material(l, "diffuse",
-                                                                    "reflectance=0.3/0.5/0.7"));
-    lab_sphere(l, v3(1.2f, 0, 1), 0.9f, lab_material(l, "phong",
-               "reflectance=0.3,specular=0.5,exponent=12"), false);
-    REQUIRE(mesh_icosphere(&ball, 1), "memory");
-    ball.n = MEM_ARRAY(V3, ball.nverts);
-    REQUIRE(ball.n, "memory");
-    memcpy(ball.n, ball.p, ball.nverts * sizeof *ball.p);
-    mesh_move(&ball, 0.9f, v3(-1.2f, 0, 1));
-    lab_mesh(l, &ball, lab_material(l, "diffuse", "reflectance=0.8"), false);
-}
 
 /* filter: what follows the method, or "". */
 static void compare(Lab *l, const char *filter, uint32_t spp, double delta, const char *what)
@@ -78,8 +29,8 @@ static void lamps(void)
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         Lab l;
         lab_init(&l);
-        add_lamp(&l, names[i]);
-        add_things(&l);
+        lamp_add(&l, names[i]);
+        lamp_things(&l);
         lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
         lab_build(&l);
         compare(&l, "", 8, 0.06, names[i]);
@@ -102,9 +53,9 @@ static void lenses(void)
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         Lab l;
         lab_init(&l);
-        add_lamp(&l, "quad");
-        add_lamp(&l, "point");
-        add_things(&l);
+        lamp_add(&l, "quad");
+        lamp_add(&l, "point");
+        lamp_things(&l);
         lab_camera_of(&l, names[i][0], v3(0.2f, -2.5f, 1.5f), v3(0, 0, 1), 60, names[i][1]);
         lab_build(&l);
         compare(&l, names[i][2], 24, 0.06, names[i][0]);
@@ -142,7 +93,7 @@ static void tank(void)
         lab_quad(&l, v3(-3, -3, 0.05f), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
         REQUIRE(mesh_box(&water, v3(-4, -4, -1), v3(4, 4, 1)), "memory");
         lab_mesh(&l, &water, lab_material(&l, "dielectric", "eta=1.33,roughness=0.4"), false);
-        add_lamp(&l, "infinite");
+        lamp_add(&l, "infinite");
         lab_camera(&l, inside ? v3(0, -2, 0.6f) : v3(0, -3, 3.5f), v3(0, 0, 0), 50, "");
         lab_build(&l);
         compare(&l, "", 32, inside ? 0.12 : 0.35, inside ? "within a tank" : "into a tank");
@@ -168,8 +119,8 @@ static void fog(void)
     Lab l;
 
     lab_init(&l);
-    add_things(&l);
-    add_lamp(&l, "point");
+    lamp_things(&l);
+    lamp_add(&l, "point");
     lab_light(&l, "spot", "from=-5/-5/3,to=0/0/0,I=60,coneangle=20", NULL);
     REQUIRE(scene_add_medium(l.scene, &m, &index), "memory");
     border = lab_sphere(&l, v3(0, 0, 1), 3.9f, lab_material(&l, "diffuse", ""), false);
@@ -193,8 +144,8 @@ static void photons(void)
     Lab l;
 
     lab_init(&l);
-    add_lamp(&l, "quad");
-    add_things(&l);
+    lamp_add(&l, "quad");
+    lamp_things(&l);
     lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "lensradius=2,focaldistance=7");
     lab_build(&l);
     series_render(&l, &path, "path:maxdepth=4", 32, 8, 1);
@@ -257,8 +208,8 @@ static void parts(void)
     Lab l;
 
     lab_init(&l);
-    add_lamp(&l, "quad");
-    add_things(&l);
+    lamp_add(&l, "quad");
+    lamp_things(&l);
     lab_camera(&l, v3(0.5f, -7, 4), v3(0, 0, 2), 60, "");
     lab_build(&l);
     picture_settings(&l, &s, "light:maxdepth=4@zerotwo@gaussian", 40, 24, 3);
@@ -301,8 +252,8 @@ static void error(void)
     Lab l;
 
     lab_init(&l);
-    add_lamp(&l, "quad");
-    add_things(&l);
+    lamp_add(&l, "quad");
+    lamp_things(&l);
     lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
     lab_build(&l);
     picture_settings(&l, &s, "light", 32, 32, 0);

@@ -266,32 +266,39 @@ static void blur(void)
                 "Translate -3 0 0 ActiveTransform EndTime Translate 3 0 0 " DISC, 1, "shutter");
 }
 
+/* Lamps above: one that shines down, one that shines up at a ceiling. */
+static const char DOWN[] = "[9 9 9] Translate 0 3 0 Rotate 90 1 0 0 Shape \"disk\" "
+    "\"float radius\" 0.4 ";
+static const char UP[] = "[90 90 90] Translate 0 2 0 Rotate -90 1 0 0 Shape \"disk\" "
+    "\"float radius\" 0.4 AttributeEnd AttributeBegin Translate 0 3 0 Rotate 90 1 0 0 "
+    "Shape \"disk\" \"float radius\" 3 ";
+
 /* A card and a ball above a floor, below a lamp. */
-static Film scene_film(const char *place, const char *integrator, uint32_t spp, uint64_t seed)
+static Film scene_film(const char *lamp, const char *place, const char *integrator, uint32_t spp,
+                       uint64_t seed)
 {
     static const char *const scene =
         "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 PixelFilter \"box\"\n"
         "LookAt 0 3 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 40\nWorldBegin\n"
-        "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [9 9 9] Translate 0 3 0 "
-        "Rotate 90 1 0 0 Shape \"disk\" \"float radius\" 0.4 AttributeEnd\n"
+        "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" %s AttributeEnd\n"
         "AttributeBegin Rotate -90 1 0 0 Shape \"disk\" \"float radius\" 3 AttributeEnd\n"
         "%s Scale 0.5 0.5 0.5 Shape \"trianglemesh\" \"point3 P\" [-1 0 -1 1 0 -1 1 0 1 -1 0 1] "
         "\"integer indices\" [0 1 2 0 2 3] Shape \"sphere\" \"float radius\" 0.6";
     char text[2000];
-    snprintf(text, sizeof text, scene, place);
+    snprintf(text, sizeof text, scene, lamp, place);
     return film_of(text, integrator, spp, seed);
 }
 
 /* Shadows move with what throws them, and reflected light meets it where it is: each time stands
  * for itself. So the mean of pictures of the scene as it is at 64 times is the picture of what
  * moves, to the noise of both and to the 1/128 by which 64 times may miss when an edge passes. */
-static void expect_mean_of_stills(const char *integrator)
+static void expect_mean_of_stills(const char *lamp, const char *integrator)
 {
     enum { TIMES = 64, SPP = 32 };
     double still[64] = { 0 }, mean = 0, squares = 0, noise;
-    Film f = scene_film("ActiveTransform StartTime Translate -1.2 0.4 0 ActiveTransform EndTime "
-                        "Translate 1.2 1 0 Rotate 80 0 1 0 ActiveTransform All", integrator, 2048,
-                        TIMES);
+    Film f = scene_film(lamp, "ActiveTransform StartTime Translate -1.2 0.4 0 ActiveTransform "
+                        "EndTime Translate 1.2 1 0 Rotate 80 0 1 0 ActiveTransform All",
+                        integrator, 2048, TIMES);
 
     noise = f_sqr((float)film_error(&f));
     for (int t = 0; t < TIMES; t++) {
@@ -300,7 +307,7 @@ static void expect_mean_of_stills(const char *integrator)
         Film one;
         snprintf(place, sizeof place, "Translate %.9f %.9f 0 Rotate %.9f 0 1 0", -1.2 + 2.4 * at,
                  0.4 + 0.6 * at, 80 * at);
-        one = scene_film(place, integrator, SPP, (uint64_t)t);
+        one = scene_film(lamp, place, integrator, SPP, (uint64_t)t);
         noise += film_error(&one) * film_error(&one) / TIMES / TIMES;
         for (uint32_t k = 0; k < 64; k++)
             still[k] += mean_of(&one, k % 8, k / 8) / TIMES;
@@ -320,8 +327,9 @@ static void expect_mean_of_stills(const char *integrator)
 
 static void together(void)
 {
-    expect_mean_of_stills("path:maxdepth=3");
-    expect_mean_of_stills("ao:distance=1");
+    expect_mean_of_stills(DOWN, "path:maxdepth=3");
+    expect_mean_of_stills(DOWN, "ao:distance=1");
+    expect_mean_of_stills(UP, "sppm:maxdepth=3,radius=0.2,photons=200");
 }
 
 const TestCase test_motion[] = {

@@ -12,13 +12,15 @@
     X(light)                    /* paths from the lamps */                     \
     X(photons)                  /* the same by chance alone */                 \
     X(photonmap)                /* photons kept, and looked up */              \
-    X(instantradiosity)         /* a few lights that stand for all */
+    X(instantradiosity)         /* a few lights that stand for all */           \
+    X(ppm)                      /* photons gathered where eye paths end */     \
+    X(sppm)                     /* the same, eye paths anew each time */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
 const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
-const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens" };
+const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
 bool warn_of_scattering(const Scene *s, const char *method)

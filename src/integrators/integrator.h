@@ -28,7 +28,11 @@ typedef struct Integrator Integrator;
 
 /* What one camera sample found, apart by path length and by strategy: for tests, and for pictures
  * of each (--aov length:3=FILE, --aov strategy:explicit=FILE). */
-typedef enum { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_LENS, STRATEGIES } Strategy;
+typedef enum {
+    STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_LENS,
+    STRATEGY_MERGE,                     /* a path of light ends near one of the eye */
+    STRATEGIES
+} Strategy;
 extern const char *const strategy_names[STRATEGIES];
 enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
 typedef struct {
@@ -54,6 +58,8 @@ typedef struct {
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
     uint32_t x, y;              /* the pixel of the camera sample */
     bool     kept;              /* which the film takes: then no other worker is in its tile */
+    float    moment;            /* time of all rays of the pass, if these have a `moment` */
+    bool     failed;            /* a unit ran out of memory, reported: the render ends */
 } Tracer;
 
 INLINE bool tracer_nearest(Tracer *t, const Ray *r, Hit *h)
@@ -160,6 +166,9 @@ typedef struct {
      * being 0, before all camera samples; or, with `anew` or without `radiance`, in every pass. */
     int  phases;
     bool anew;                  /* a pass is one sample a pixel then */
+    /* The number of the moment of which all rays of the pass are, as light from the lamps and rays
+     * from the eye must be that meet on what moves. NULL: each camera sample has its own. */
+    uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
 } IntegratorKind;

@@ -25,7 +25,7 @@ static bool parse_which(Aov *a, const char *arg, size_t n)
             a->which = k;
             return true;
         }
-    return err_usage("--aov strategy:NAME takes implicit, explicit or lens");
+    return err_usage("--aov strategy:NAME takes implicit, explicit, lens or merge");
 }
 
 bool aov_parse(Aov *a, const char *text)

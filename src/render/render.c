@@ -62,7 +62,7 @@ static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_
     off = filter_sample(&j->filter, sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), &weight);
     if (c->has_lens)
         lens = sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0));
-    if (j->blurs)
+    if (j->blurs && !j->integrator->kind->moment)
         time = scene_time(j->scene, sample_1d(&t->sampler, DECISION(DECIDE_TIME, 0)));
     r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens, time);
     if (t->tally)
@@ -198,7 +198,8 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     count_up(j, worker);
     progress_show(&j->progress, fraction_done(j, pass_done), j->so_far + j->coming * pass_done,
                   j->rays);
-    if (is_late(j))
+    j->integrator->failed = j->integrator->failed || j->tracers[worker].failed;
+    if (is_late(j) || j->integrator->failed)
         j->ended = true;
     else if (j->pass && j->integrator->kind->radiance && time_to_look(j))
         j->paused = true;
@@ -281,6 +282,21 @@ static bool good_enough(Job *j)
     return e <= s->error;
 }
 
+/* The time of all rays of the pass: radical inverses of its moment's number, from a start that the
+ * seed gives, so that moments are spread evenly over the shutter's opening. */
+static void choose_moment(Job *j)
+{
+    Rng seed = rng_seed(j->settings->seed);
+    float u = rng_unit(&seed), half = 0.5f;
+
+    for (uint32_t n = j->integrator->kind->moment(j->integrator, j->pass); n; n >>= 1, half *= 0.5f)
+        u += n & 1 ? half : 0.0f;
+    if (j->blurs)
+        j->time = scene_time(j->scene, u < 1.0f ? u : u - 1.0f);
+    for (int i = 0; i < j->settings->threads; i++)
+        j->tracers[i].moment = j->time;
+}
+
 static void run_passes(Job *j)
 {
     const RenderSettings *s = j->settings;
@@ -291,6 +307,8 @@ static void run_passes(Job *j)
         j->count = next_count(j);
         j->so_far = j->first;
         j->coming = j->count;
+        if (k->moment)
+            choose_moment(j);
         if (phases_are_anew(k))
             run_phases(j);
         if (k->radiance && !j->ended)
