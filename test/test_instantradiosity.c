@@ -6,7 +6,7 @@
  *             Corners are for clamp with compensate, whose variance is finite.
  * Tied        Tiles of one picture have the same lights: only whole runs are independent. */
 #include "geometry/generate.h"
-#include "integrators/virtuallights.h"
+#include "integrators/virtualcuts.h"
 #include "test/pictures.h"
 
 #include <stdio.h>
@@ -268,6 +268,177 @@ static void flux(void)
     lab_clear(&l);
 }
 
+/* ---- clusters ---- */
+
+enum { POINTS = 300 };
+
+static V3 any_direction(Rng *r)
+{
+    float z = 2 * rng_unit(r) - 1, rho = sqrtf(1 - z * z), sn, cs;
+    m_sincos_turn(rng_unit(r), &sn, &cs);
+    return v3(rho * cs, rho * sn, z);
+}
+
+/* Lights in a cloud that is flat or not, about one normal, more or less. */
+static void random_lights(Rng *r, OrientedLight *l, int kind)
+{
+    V3 about = any_direction(r);
+    float wide = kind % 3 == 0 ? 0.0f : kind % 3 == 1 ? 0.3f : 2.0f;
+
+    for (int i = 0; i < POINTS; i++) {
+        l[i].p = v3(rng_unit(r), rng_unit(r), kind & 1 ? 0.4f : rng_unit(r));
+        l[i].n = v_unit(v_mad(any_direction(r), wide, about));
+        l[i].power = 0.01f + rng_unit(r);
+        l[i].two_sided = kind == 5 && i % 7 == 0;
+    }
+}
+
+static double exactly(const OrientedLight *l, const LitMatt *at)
+{
+    V3 d = v_sub(l->p, at->p);
+    double d2 = (double)v_len2(d), len = sqrt(d2), out = -(double)v_dot(l->n, d) / len;
+    double in = (double)v_dot(at->n, d) / len;
+
+    if (l->two_sided)
+        out = fabs(out);
+    return in > 0 && out > 0 ? in * out / d2 : 0;
+}
+
+/* Gives the number of lights below. */
+static uint32_t expect_bounds(const Cluster *c, const OrientedLight *l, const LitMatt *at,
+                              double *most, double *power)
+{
+    double one, other, sum[2] = { 0, 0 };
+    uint32_t n = 1;
+
+    if (!c->second) {
+        *most = exactly(&l[c->light], at);
+        *power = (double)c->power;
+    } else {
+        n = expect_bounds(c + 1, l, at, &one, &sum[0]) +
+            expect_bounds(c + c->second, l, at, &other, &sum[1]);
+        *most = one > other ? one : other;
+        *power = sum[0] + sum[1];
+        EXPECT(c->light == c[1].light || c->light == c[c->second].light, "stands for no child");
+    }
+    EXPECT(fabs((double)c->power / *power - 1) < 1e-4, "power %g", (double)c->power);
+    EXPECT(*most <= (double)cluster_bound(c, at), "%g is above the bound %g", *most,
+           (double)cluster_bound(c, at));
+    return n;
+}
+
+static Cluster tree_of[2 * POINTS];
+static OrientedLight cloud[POINTS];
+
+static void random_point(Rng *r, LitMatt *at)
+{
+    at->p = v3(3 * rng_unit(r) - 1, 3 * rng_unit(r) - 1, 3 * rng_unit(r) - 1);
+    at->n = any_direction(r);
+    at->most = INFINITY;
+}
+
+static void cluster_bounds(void)
+{
+    Rng r = rng_seed(3);
+    uint32_t order[POINTS];
+    double most, power;
+    LitMatt at;
+
+    for (int kind = 0; kind < 12; kind++) {
+        random_lights(&r, cloud, kind % 6);
+        clusters_build(tree_of, order, cloud, POINTS, 1, (uint64_t)kind);
+        for (int i = 0; i < 200; i++) {
+            random_point(&r, &at);
+            EXPECT(expect_bounds(tree_of, cloud, &at, &most, &power) == POINTS, "lights are lost");
+        }
+    }
+}
+
+/* Unhindered: what light number k brings. */
+static Rgb ask_cloud(void *ctx, uint32_t root, uint32_t light)
+{
+    (void)root;
+    return rgb_all(cloud[light].power * (float)exactly(&cloud[light], ctx));
+}
+
+/* A cut is off by no more than all its bounds together; each of these is small enough; and by less
+ * than the tolerance in the mean, far less than its clusters. */
+static void cuts(void)
+{
+    static CutCluster cut[CLUSTERS_MOST];
+    Rng r = rng_seed(5);
+    uint32_t order[POINTS];
+    const Cluster *root = tree_of;
+    double squares = 0, sizes = 0;
+    int lit = 0;
+
+    random_lights(&r, cloud, 1);
+    clusters_build(tree_of, order, cloud, POINTS, 1, 9);
+    for (int i = 0; i < 2000; i++) {
+        CutAsk q = { .f = 1, .tolerance = 0.02f, .most = 1000, .ask = ask_cloud };
+        double truth = 0, sum = 0, error = 0;
+        size_t n;
+        random_point(&r, &q.at);
+        q.ctx = &q.at;
+        n = clusters_cut(&root, 1, &q, cut);
+        for (int k = 0; k < POINTS; k++)
+            truth += (double)cloud[k].power * exactly(&cloud[k], &q.at);
+        for (size_t k = 0; k < n; k++) {
+            sum += (double)(cut[k].unit.g * cut[k].node->power);
+            error += (double)cut[k].error;
+        }
+        for (size_t k = 0; k < n; k++)
+            EXPECT((double)cut[k].error <= 0.0201 * sum, "a cluster is off by %g of %g",
+                   (double)cut[k].error, sum);
+        EXPECT(fabs(sum - truth) <= error + 1e-4 * truth, "%g, not %g: off by more than %g", sum,
+               truth, error);
+        if (truth > 1e-6) {
+            squares += (sum / truth - 1) * (sum / truth - 1);
+            sizes += (double)n;
+            lit++;
+        }
+    }
+    EXPECT(lit > 200 && sqrt(squares / lit) < 0.02, "off by %g", sqrt(squares / lit));
+    EXPECT(sizes / lit < 0.8 * POINTS, "%g clusters of %d lights", sizes / lit, POINTS);
+}
+
+/* The picture by cuts, with mirrors, glossy things and shadows, is that by each light. */
+static void cut_picture(void)
+{
+    Image im[2];
+    double squares = 0, sum = 0;
+    Lab l;
+
+    lab_init(&l);
+    add_lamp(&l, "sides");
+    add_lamp(&l, "quad");
+    add_plates(&l);
+    lab_sphere(&l, v3(0, -2.5f, 2.5f), 0.6f, lab_material(&l, "mirror", ""), false);
+    lab_build(&l);
+    for (int k = 0; k < 2; k++) {
+        static const char *const how[] = { "cut=0", "cut=0.02" };
+        RenderSettings s;
+        RenderReport report;
+        char text[100];
+        Film f;
+        snprintf(text, sizeof text, "instantradiosity:lights=600,clamp=50,%s", how[k]);
+        picture_settings(&l, &s, text, 32, 32, 1);
+        picture_render(&l, &s, &f, &report);
+        REQUIRE(image_init(&im[k], 32, 32), "memory");
+        film_picture(&f, 0, &im[k]);
+        film_clear(&f);
+    }
+    for (int i = 0; i < 32 * 32; i++) {
+        double a = (double)rgb_lum(im[0].pixels[i]), b = (double)rgb_lum(im[1].pixels[i]);
+        squares += a > 0 ? (b / a - 1) * (b / a - 1) : 0;
+        sum += a > 0;
+    }
+    EXPECT(sqrt(squares / sum) < 0.02, "cuts are off by %g", sqrt(squares / sum));
+    image_clear(&im[0]);
+    image_clear(&im[1]);
+    lab_clear(&l);
+}
+
 /* ---- the picture ---- */
 
 static void render_room(Lab *l, const char *method, int threads, Film *f)
@@ -348,6 +519,9 @@ const TestCase test_instantradiosity[] = {
     { "haze", haze, false },
     { "power", power, false },
     { "flux", flux, false },
+    { "cluster_bounds", cluster_bounds, false },
+    { "cuts", cuts, false },
+    { "cut_picture", cut_picture, false },
     { "bounds", bounds, false },
     { "refuses", refuses, false },
     { NULL, NULL, false }

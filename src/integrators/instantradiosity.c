@@ -14,6 +14,8 @@
  * Clamp       With the geometric term G = |cos x| |cos i| / d^2 (normals of the geometry) each
  *             light brings min(1, b / G) of what it is worth, for the bound b. Light in corners
  *             is lost. clamp is b times the squared radius of the scene, which has no unit.
+ * Cut         See virtualcuts.h: many lights for the time of few, for an error that each point's own
+ *             light hides.
  * Compensate  What was lost is the integral over all places y of max(0, 1 - b / G(x, y)) times
  *             what y sends to x. A ray by the model at x finds y: light that y shines or scatters
  *             is taken times that share, the latter by all virtual lights and, in turn, by a ray
@@ -26,13 +28,14 @@
 #include "base/mem.h"
 #include "integrators/beam.h"
 #include "integrators/lighting.h"
-#include "integrators/virtuallights.h"
+#include "integrators/virtualcuts.h"
 
 enum { BATCH = 64 };                    /* shadow rays at once */
 
 typedef struct {
     Integrator base;
     VirtualLights lights;       /* owned */
+    VirtualCuts cuts;           /* owned */
     Lighting lighting;          /* owned: how others are asked */
     const Light **other;        /* owned: that have to be */
     size_t nothers;
@@ -43,46 +46,6 @@ typedef struct {
 } Radiosity;
 
 /* ---- virtual lights at a point ---- */
-
-/* The part of light over geometric term G that its bound leaves. */
-static float share_left(const Radiosity *it, V3 nx, V3 ny, V3 wi, float d2)
-{
-    float g;
-
-    if (!(it->bound > 0.0f))
-        return 1.0f;
-    g = v_absdot(nx, wi) * v_absdot(ny, wi) / d2;
-    return g > it->bound ? it->bound / g : 1.0f;
-}
-
-/* What the light brings the eye from the vertex unless it is hidden, and the ray that tells. */
-static bool shines_on(const Radiosity *it, const VirtualLight *l, const Vertex *v, Rgb *c, Ray *r)
-{
-    V3 d = v_sub(l->p, v->s.p), local;
-    float d2 = v_len2(d), dist;
-    LightSample to;
-    Rgb intensity;
-
-    if (!(d2 > 0.0f))
-        return false;
-    dist = sqrtf(d2);
-    to.wi = v_scale(d, 1.0f / dist);
-    if (!vertex_local(v, to.wi, &local))
-        return false;
-    intensity = virtuallight_intensity(&it->lights, l, v_neg(to.wi));
-    if (rgb_black(intensity))
-        return false;
-    *c = rgb_scale(rgb_mul(vertex_f_cos(v, local), intensity),
-                   share_left(it, v->s.ng, l->n, to.wi, d2) / d2);
-    if (rgb_black(*c))
-        return false;
-    to.dist = dist;
-    to.p = l->p;
-    to.err = l->err;
-    to.n = l->n;
-    *r = shadow_ray(&v->s, &to);
-    return true;
-}
 
 typedef struct {
     Ray  ray[BATCH];
@@ -106,23 +69,25 @@ static Rgb shadows_cast(Shadows *b, Tracer *t)
     return sum;
 }
 
-/* By all lights of the pixel's set that make no longer paths than wanted. */
-static Rgb lit_by_all(const Radiosity *it, const Beam *b, const Vertex *v, uint32_t set, Tracer *t)
+/* By lights that make no longer paths than wanted: n of the run, or of those that `which` names. */
+static Rgb lit_by_each(const Radiosity *it, const Beam *b, const Vertex *v, const VirtualLight *run,
+                       const uint32_t *which, size_t n, Tracer *t)
 {
-    const VirtualLight *l = it->lights.light + it->lights.set[set].first;
-    size_t n = virtuallights_upto(&it->lights, set, it->maxdepth - b->depth - 1);
     Rgb sum = rgb_all(0.0f);
     Shadows s;
 
     s.n = 0;
     for (size_t i = 0; i < n; i++) {
+        const VirtualLight *l = &run[which ? which[i] : i];
         Rgb *c = &s.c[s.n];
-        if (!shines_on(it, &l[i], v, c, &s.ray[s.n]))
+        if (b->depth + 1 + (int64_t)l->depth > it->maxdepth)
+            break;
+        if (!virtuallight_reaches(&it->lights, l, v, it->bound, c, &s.ray[s.n]))
             continue;
         *c = rgb_mul(*c, b->throughput);
-        s.edges[s.n] = b->depth + 2 + (int)l[i].depth;
+        s.edges[s.n] = b->depth + 2 + (int)l->depth;
         if (UNLIKELY(it->base.scene->nmedia)) {
-            uint32_t medium = medium_beyond(&v->s, v_sub(l[i].p, v->s.p), b->medium);
+            uint32_t medium = medium_beyond(&v->s, v_sub(l->p, v->s.p), b->medium);
             if (tracer_passes(t, &s.ray[s.n], medium, c)) {
                 tracer_tally(t, s.edges[s.n], STRATEGY_EXPLICIT, *c);
                 sum = rgb_add(sum, *c);
@@ -131,6 +96,49 @@ static Rgb lit_by_all(const Radiosity *it, const Beam *b, const Vertex *v, uint3
             sum = rgb_add(sum, shadows_cast(&s, t));
     }
     return rgb_add(sum, shadows_cast(&s, t));
+}
+
+typedef struct { const Radiosity *it; const Beam *b; const Vertex *v; Tracer *t; } Asking;
+
+static Rgb ask(void *ctx, uint32_t root, uint32_t light)
+{
+    const Asking *a = ctx;
+    const VirtualLight *l = &a->it->lights.light[light];
+    Rgb c;
+    Ray r;
+
+    (void)root;
+    if (!virtuallight_reaches(&a->it->lights, l, a->v, a->it->bound, &c, &r) ||
+        !tracer_passes(a->t, &r, medium_beyond(&a->v->s, v_sub(l->p, a->v->s.p), a->b->medium),
+                       &c))
+        return rgb_all(0.0f);
+    return c;
+}
+
+/* The same by a cut, and by each of those that are in no tree. */
+static Rgb lit_by_cut(const Radiosity *it, const Beam *b, const Vertex *v, uint32_t set, Tracer *t)
+{
+    const VirtualCuts *cuts = &it->cuts;
+    const uint32_t *other = cuts->other + cuts->others[set];
+    Rgb sum = lit_by_each(it, b, v, it->lights.light, other,
+                          cuts->others[set + 1] - cuts->others[set], t);
+    float throughput = rgb_max(b->throughput);
+    Asking asking = { it, b, v, t };
+    CutAsk q = { .ask = ask, .ctx = &asking };
+    CutCluster cut[CLUSTERS_MOST];
+    size_t n;
+
+    if (!(throughput > 0.0f))
+        return sum;
+    q.besides = rgb_lum(sum) / throughput;
+    n = virtualcut(cuts, v, set, it->maxdepth - b->depth - 1, it->bound, &q, cut);
+    for (size_t i = 0; i < n; i++) {
+        Rgb c = rgb_mul(b->throughput, rgb_scale(cut[i].unit, cut[i].node->power));
+        const VirtualTree *tree = &cuts->tree[cuts->trees[set] + cut[i].root];
+        tracer_tally(t, b->depth + 2 + (int)tree->depth, STRATEGY_EXPLICIT, c);
+        sum = rgb_add(sum, c);
+    }
+    return sum;
 }
 
 /* ---- others ---- */
@@ -183,7 +191,8 @@ static float share_missing(const Radiosity *it, const Eye *e, const Surface *s)
 {
     if (!e->smooth)
         return 1.0f;
-    return 1.0f - share_left(it, e->n, s->ng, e->beam.ray.d, v_len2(v_sub(s->p, e->from)));
+    return 1.0f - bound_leaves(it->bound, e->n, s->ng, e->beam.ray.d,
+                               v_len2(v_sub(s->p, e->from)));
 }
 
 /* Light of the vertex itself, and what it scatters. */
@@ -199,7 +208,11 @@ static Rgb light_of(const Radiosity *it, const Eye *e, const Vertex *v, float sh
         sum = beam_shows(&b, scene_light_of(s, &v->s), &v->s, t);
     if (b.depth >= it->maxdepth || !vertex_is_smooth(v))
         return sum;
-    sum = rgb_add(sum, lit_by_all(it, &b, v, set, t));
+    if (virtualcuts_can(&it->cuts, v))
+        sum = rgb_add(sum, lit_by_cut(it, &b, v, set, t));
+    else
+        sum = rgb_add(sum, lit_by_each(it, &b, v, it->lights.light + it->lights.set[set].first,
+                                       NULL, it->lights.set[set].n, t));
     return rgb_add(sum, lit_by_others(it, &b, v, t));
 }
 
@@ -245,14 +258,20 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 
 static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
 {
+    const Radiosity *it = (const Radiosity *)base;
+
     (void)f, (void)pass;
-    return virtuallights_units(&((Radiosity *)base)->lights, phase);
+    return phase < VIRTUAL_PHASES ? virtuallights_units(&it->lights, phase)
+                                  : virtualcuts_units(&it->cuts, phase - VIRTUAL_PHASES);
 }
 
 static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t)
 {
+    Radiosity *it = (Radiosity *)base;
+
     (void)f, (void)pass;
-    if (!virtuallights_run(&((Radiosity *)base)->lights, phase, unit, t))
+    if (phase < VIRTUAL_PHASES ? !virtuallights_run(&it->lights, phase, unit, t)
+                               : !virtualcuts_run(&it->cuts, phase - VIRTUAL_PHASES, unit))
         base->failed = true;
 }
 
@@ -262,6 +281,7 @@ static void close_radiosity(Integrator *base)
 {
     Radiosity *it = (Radiosity *)base;
 
+    virtualcuts_clear(&it->cuts);
     virtuallights_clear(&it->lights);
     lighting_clear(&it->lighting);
     mem_free(it->other);
@@ -302,6 +322,7 @@ static Integrator *open_radiosity(const Scene *s, const Opts *o)
     it->side = (uint32_t)opt_int(o, "interleave");
     it->compensates = opt_bool(o, "compensate");
     it->bound = s->radius > 0.0f ? opt_float(o, "clamp") / f_sqr(s->radius) : 0.0f;
+    virtualcuts_init(&it->cuts, &it->lights, opt_float(o, "cut"), (size_t)opt_int(o, "cutsize"));
     if (virtuallights_init(&it->lights, s, (uint32_t)opt_int(o, "lights"), it->side * it->side,
                            it->maxdepth, it->roulette) &&
         lighting_init_as(&it->lighting, s, "uniform", true, true, false, false) &&
@@ -323,6 +344,11 @@ static const OptDef options[] = {
     { .key = "compensate", .type = OPT_BOOL,
       .help = "what the bound takes away is found by rays, and so is light by way of mirrors and "
               "glass" },
+    { .key = "cut", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1,
+      .help = "part of the light of a matt point that a cluster of lights may be off by, 0.02 is "
+              "usual: one light then stands for it; 0: each light is asked" },
+    { .key = "cutsize", .type = OPT_INT, .num = 1000, .lo = 16, .hi = CLUSTERS_MOST,
+      .help = "cut: most clusters of a point" },
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
@@ -337,5 +363,5 @@ const IntegratorKind integrator_instantradiosity = {
     .misses = "without compensate: light that comes to what is seen by way of delta surfaces, and "
               "what a bound takes away; light that media scatter; motion",
     .open = open_radiosity, .close = close_radiosity, .radiance = radiance,
-    .phases = VIRTUAL_PHASES, .units = units, .run = run
+    .phases = VIRTUAL_PHASES + VIRTUAL_CUT_PHASES, .units = units, .run = run
 };

@@ -82,6 +82,34 @@ Rgb virtuallight_intensity(const VirtualLights *it, const VirtualLight *l, V3 d)
     return rgb_all(0.0f);
 }
 
+bool virtuallight_reaches(const VirtualLights *it, const VirtualLight *l, const Vertex *at,
+                          float bound, Rgb *c, Ray *r)
+{
+    V3 d = v_sub(l->p, at->s.p), local;
+    float d2 = v_len2(d);
+    LightSample to;
+    Rgb intensity;
+
+    if (!(d2 > 0.0f))
+        return false;
+    to.dist = sqrtf(d2);
+    to.wi = v_scale(d, 1.0f / to.dist);
+    if (!vertex_local(at, to.wi, &local))
+        return false;
+    intensity = virtuallight_intensity(it, l, v_neg(to.wi));
+    if (rgb_black(intensity))
+        return false;
+    *c = rgb_scale(rgb_mul(vertex_f_cos(at, local), intensity),
+                   bound_leaves(bound, at->s.ng, l->n, to.wi, d2) / d2);
+    if (rgb_black(*c))
+        return false;
+    to.p = l->p;
+    to.err = l->err;
+    to.n = l->n;
+    *r = shadow_ray(&at->s, &to);
+    return true;
+}
+
 /* ---- one path ---- */
 
 /* Where a path puts what it leaves: to be counted, or kept. */

@@ -71,6 +71,22 @@ bool virtuallights_run(VirtualLights *v, int phase, uint64_t unit, Tracer *t);
 /* Watts per steradian that it sends the way d, unit. */
 Rgb virtuallight_intensity(const VirtualLights *v, const VirtualLight *l, V3 d);
 
+/* What it brings the eye from the vertex unless it is hidden, and the ray that tells; its geometric
+ * term |cos| |cos| / d^2 is at most `bound`, unless that is 0. False: nothing. */
+bool virtuallight_reaches(const VirtualLights *v, const VirtualLight *l, const Vertex *at,
+                          float bound, Rgb *c, Ray *r);
+
+/* The part that a bound leaves of light between points of such normals. */
+INLINE float bound_leaves(float bound, V3 nx, V3 ny, V3 wi, float d2)
+{
+    float g;
+
+    if (!(bound > 0.0f))
+        return 1.0f;
+    g = v_absdot(nx, wi) * v_absdot(ny, wi) / d2;
+    return g > bound ? bound / g : 1.0f;
+}
+
 /* How many of a set's lights have at most so many scattering events: they come first. */
 size_t virtuallights_upto(const VirtualLights *v, uint32_t set, int depth);
 
