@@ -50,6 +50,7 @@ const IntegratorKind integrator_sppm = {
               "photons gathered where eye paths end, both anew in each pass, in a radius that "
               "shrinks", options },
     .truth = CONSISTENT, .misses = "light that media scatter",
-    .open = open_sppm, .close = close_sppm, .prepare = prepare, .radiance = radiance, .anew = true, .moment = moment,
-    .phases = PROGRESSIVE_PHASES, .units = progressive_units, .run = progressive_run
+    .open = open_sppm, .close = close_sppm, .prepare = prepare, .radiance = radiance,
+    .anew = true, .moment = moment, .phases = PROGRESSIVE_PHASES, .units = progressive_units,
+    .run = progressive_run
 };
