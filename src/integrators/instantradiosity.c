@@ -14,8 +14,8 @@
  * Clamp       With the geometric term G = |cos x| |cos i| / d^2 (normals of the geometry) each
  *             light brings min(1, b / G) of what it is worth, for the bound b. Light in corners
  *             is lost. clamp is b times the squared radius of the scene, which has no unit.
- * Cut         See virtualcuts.h: many lights for the time of few, for an error that each point's own
- *             light hides.
+ * Cut         See virtualcuts.h: many lights for the time of few, for an error that each point's
+ *             own light hides.
  * Compensate  What was lost is the integral over all places y of max(0, 1 - b / G(x, y)) times
  *             what y sends to x. A ray by the model at x finds y: light that y shines or scatters
  *             is taken times that share, the latter by all virtual lights and, in turn, by a ray

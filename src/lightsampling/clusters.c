@@ -92,8 +92,8 @@ static void build(Builder *b, uint32_t first, uint32_t end)
                    ? c[1].light : other->light;
 }
 
-void clusters_build(Cluster *node, uint32_t *order, const OrientedLight *l, uint32_t n, float across,
-                    uint64_t key)
+void clusters_build(Cluster *node, uint32_t *order, const OrientedLight *l, uint32_t n,
+                    float across, uint64_t key)
 {
     Builder b = { node, order, l, across, key, 0 };
 

@@ -39,8 +39,8 @@ typedef struct {
 
 /* The tree over n > 0 lights in node, which has room for 2 n - 1; order has room for n. key: of the
  * choices. across: the distance that counts as much as opposite normals. */
-void clusters_build(Cluster *node, uint32_t *order, const OrientedLight *l, uint32_t n, float across,
-                    uint64_t key);
+void clusters_build(Cluster *node, uint32_t *order, const OrientedLight *l, uint32_t n,
+                    float across, uint64_t key);
 
 /* A matt point; n: on the side on which light is wanted. most: bound of cos_x cos_i / d^2 by other
  * means, or INFINITY. */
