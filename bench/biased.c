@@ -1,5 +1,6 @@
 /* biased.c -- how far off is what says of itself that it is biased: guesses at shadows, lamps as
- * points, patterns alike in all pixels, pixels that end by their own samples.
+ * points, patterns alike in all pixels, pixels that end by their own samples, bounds of virtual
+ * lights.
  *
  * Mean      of the picture over that of the reference; then the root mean square over the pixels of
  *           what is not noise, in units of the reference's mean. For two renders a, b of the method
@@ -107,6 +108,9 @@ static void table(const Case *c, int n)
 #define ENDS(policy, x) policy ", --error " #x, "scenes/swarm-probe.pbrt", "path", "path", \
                         NULL, policy, x, 0
 #define SPENT(policy, n) policy, "scenes/swarm-probe.pbrt", "path", "path", NULL, policy, 0, n
+/* Of two sets of lights of 1000 paths each: its mean is uncertain as theirs is. */
+#define VIRTUAL(options) "instantradiosity:" options, "scenes/cornell.pbrt", "path",            \
+                         "instantradiosity:lights=1000," options, NULL, NULL, 0, 2
 
 void bench_bias(void)
 {
@@ -123,6 +127,9 @@ void bench_bias(void)
         { ENDS("neighbours", 0.05) }, { ENDS("none", 0.05) },
         { SPENT("variable:rerender=true", 16) }, { SPENT("variable", 16) },
         { SPENT("neighbours", 16) },
+        { VIRTUAL("clamp=0,cut=0.02") }, { VIRTUAL("clamp=100,cut=0.02") },
+        { VIRTUAL("clamp=10,cut=0.02") }, { VIRTUAL("clamp=1,cut=0.02") },
+        { VIRTUAL("clamp=10,compensate=true,cut=0.02") },
     };
     printf("# bias in %d x %d pixels: of the mean; of the pixels, root mean square\n", SIDE, SIDE);
     table(cases, (int)(sizeof cases / sizeof cases[0]));
