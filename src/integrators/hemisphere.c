@@ -47,7 +47,7 @@ static void moves(Hemisphere *h, const HemisphereCell *a, const HemisphereCell *
     }
 }
 
-/* The border between sector k - 1, whose cell is a, and k, at ring j. [Ward92] */
+/* The border between sector k - 1, whose cell is a, and k, at ring j. [WardHeckbert92] */
 static void moves_across(Hemisphere *h, int j, int k, const HemisphereCell *a,
                          const HemisphereCell *b)
 {

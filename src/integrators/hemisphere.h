@@ -1,6 +1,6 @@
 /* hemisphere.h -- irradiance and how it changes, from one ray in each cell of the hemisphere.
  *
- * Source      [Ward88], [Ward92]: m rings of equal parts of the cosine, n sectors.
+ * Source      [Ward88], [WardHeckbert92]: m rings of equal parts of the cosine, n sectors.
  * Gradients   By turning: each cell brings more by the tangent of its angle; taken is the mean of
  *             that over the cell, which is finite in the lowest ring, where the tangent of a drawn
  *             angle has no variance. By moving: what is near moves against what is beyond, so the

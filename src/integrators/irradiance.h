@@ -2,7 +2,7 @@
  *
  * Source      [Ward88] and errata 7.15 for the error of a record at another place,
  *                 e = |x - xi| / Ri + sqrt(1 - n.ni),  used where e < a;
- *             [Ward92] for the gradients; [Krivanek06] for the radii of neighbours.
+ *             [WardHeckbert92] for the gradients; [Krivanek06] for the radii of neighbours.
  * Weight      1 / e - 1 / a, not Ward's 1 / e: it is 0 where a record ends, so no edge shows.
  * Radius      Ri is the harmonic mean of the distances to what is around, but no more than what
  *             the gradient allows, |E| / |move|, and within bounds that the maker of the record

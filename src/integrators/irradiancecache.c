@@ -1,6 +1,6 @@
 /* irradiancecache.c -- indirect light of matt surfaces from records of irradiance.
  *
- * Source      [Cline07 7.5, errata 7.15], [Ward88], [Ward92].
+ * Source      [Cline07 7.5, errata 7.15], [Ward88], [WardHeckbert92].
  * Idea        Light that comes straight from lamps, or by mirrors and glass, is found at each
  *             point as ever; light that surfaces scattered before changes slowly from place to
  *             place, so it is worked out well at few places and interpolated between them.
@@ -85,7 +85,10 @@ static bool is_matt(const BsdfSample *s)
 }
 
 /* Whether a matt event at the beam's end may use light that was scattered before. */
-static bool may_ask(const IrradianceCache *it, const Beam *b) { return b->depth + 2 <= it->maxdepth; }
+static bool may_ask(const IrradianceCache *it, const Beam *b)
+{
+    return b->depth + 2 <= it->maxdepth;
+}
 
 typedef bool Ask(const IrradianceCache *it, const Beam *b, const Vertex *v, const Spot *at,
                  Tracer *t, Rgb *E);
@@ -270,7 +273,7 @@ static bool seek(const IrradianceCache *it, uint32_t x, uint32_t y, Tracer *t, B
     return false;
 }
 
-/* Set 0, 2, ...: the grids; 1, 3, ...: the middles of cells. Pixels of earlier sets are left out. */
+/* Set 0, 2, ...: the grids; 1, 3, ...: middles of cells. Pixels of earlier sets are left out. */
 static bool is_of_set(uint32_t x, uint32_t y, int set)
 {
     uint32_t s = (uint32_t)COARSEST >> (set / 2), inside = s - 1, wide = 2 * s - 1;
@@ -434,7 +437,7 @@ static const OptDef options[] = {
 };
 
 const IntegratorKind integrator_irradiancecache = {
-    .info = { "irradiancecache", "Cline07 7.5; Ward88; Ward92",
+    .info = { "irradiancecache", "Cline07 7.5; Ward88; WardHeckbert92",
               "indirect light of matt surfaces, interpolated between few places", options },
     .truth = BIASED, .misses = "detail of indirect light between its records",
     .open = open_cache, .close = close_cache, .prepare = prepare, .radiance = radiance,
