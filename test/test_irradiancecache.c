@@ -275,7 +275,8 @@ static void materials(void)
         lab_build(&l);
         compare(&l, &options, 1, 6, 16, &bias, &sigma);
         EXPECT(fabs(bias) < 0.01, "%s: the mean is off by %g", things[i][0], bias);
-        EXPECT(sigma < (i == 0 || i == 2 || i == 3 ? 0.06 : 0.13), "%s: pixels are off by %g", things[i][0], sigma);
+        EXPECT(sigma < (i == 0 || i == 2 || i == 3 ? 0.06 : 0.13), "%s: pixels are off by %g",
+               things[i][0], sigma);
         lab_clear(&l);
     }
 }
