@@ -14,7 +14,8 @@
     X(photonmap)                /* photons kept, and looked up */              \
     X(instantradiosity)         /* a few lights that stand for all */           \
     X(ppm)                      /* photons gathered where eye paths end */     \
-    X(sppm)                     /* the same, eye paths anew each time */
+    X(sppm)                     /* the same, eye paths anew each time */       \
+    X(irradiancecache)          /* indirect light interpolated */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

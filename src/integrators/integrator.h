@@ -183,8 +183,8 @@ INLINE bool integrator_adapts(const IntegratorKind *k)
 struct Integrator {             /* first member of every concrete one */
     const IntegratorKind *kind;
     const Scene *scene;         /* borrowed */
-    bool failed;                /* set by the only unit of a phase that could not be done, and
-                                 * reported it: the render fails */
+    bool failed;                /* set by units(), or by the only unit of a phase, that could
+                                 * not be done, and reported it: the render fails */
 };
 
 extern const IntegratorKind *const integrators[];       /* ends with NULL */
