@@ -279,6 +279,8 @@ static const Scenario RENDER = {
 static const Scenario OTHERS[] = {
     { "room.pbrt --quiet --threads 1 --size 4x4 --spp 1", { "room.png" }, 20 },
     { "roof.ply --quiet --threads 1 --size 4x4 --spp 1", { "roof.png" }, 20 },
+    { "tiny.pbrt --quiet --threads 2 --size 4x4 --spp 2 --integrator sppm:photons=3000 -o s.pfm",
+      { "s.pfm" }, 30 },
     { "info tiny.pbrt", { NULL }, 30 },
     { "info sky.pfm", { NULL }, 1 },
     { "convert sky.pfm a.png", { "a.png" }, 4 },
