@@ -166,15 +166,17 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
 static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
 {
     PhotonMap *it = (PhotonMap *)base;
+    uint64_t n = 0;
 
     if (phase == 0)
         return integrator_direct.units(&it->direct->base, f, pass, phase);
     if (phase <= PHOTONSTORE_STAGES) {
         it->first = photonstore_units(&it->photons, phase - 1);
-        return it->first + photonstore_units(&it->caustics, phase - 1);
-    }
-    return it->gather ? photonrecords_units(&it->records, &it->photons,
-                                            phase - 1 - PHOTONSTORE_STAGES) : 0;
+        n = it->first + photonstore_units(&it->caustics, phase - 1);
+    } else if (it->gather)
+        n = photonrecords_units(&it->records, &it->photons, phase - 1 - PHOTONSTORE_STAGES);
+    base->failed = it->photons.failed || it->caustics.failed || it->records.failed;
+    return base->failed ? 0 : n;
 }
 
 static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t)

@@ -107,7 +107,7 @@ static bool is_of(PhotonLight light, const Particle *p)
 }
 
 /* Counts a photon, and keeps it unless the batch is one that is tried. */
-static void keep(PhotonBatch *batch, bool tried, const Particle *p, const Vertex *v)
+static void keep(PhotonBatch *batch, bool tried, const Particle *p, const Vertex *v, Tracer *t)
 {
     float across = v_absdot(p->ray.d, v->s.ng);
     Photon photon;
@@ -120,8 +120,8 @@ static void keep(PhotonBatch *batch, bool tried, const Particle *p, const Vertex
         return;
     if (tried)
         batch->n++;
-    else
-        (void)MEM_PUSH(batch->photons, batch->n, batch->room, photon);
+    else if (!MEM_PUSH(batch->photons, batch->n, batch->room, photon))
+        t->failed = true;
 }
 
 static void shoot(const PhotonStore *s, PhotonBatch *batch, bool tried, Tracer *t)
@@ -139,7 +139,7 @@ static void shoot(const PhotonStore *s, PhotonBatch *batch, bool tried, Tracer *
             return;
         vertex_make(&v, t->scene, p.ray.d);
         if (vertex_is_smooth(&v) && is_of(s->light, &p))
-            keep(batch, tried, &p, &v);
+            keep(batch, tried, &p, &v, t);
         if (p.depth >= s->maxdepth || (caustic && !(v.b->flags & BSDF_SPECULAR)) ||
             !particle_scatters(&p, &v, t) || (caustic && !p.deltas) ||
             !particle_survives(&p, s->roulette, t))
@@ -196,11 +196,11 @@ void photonstore_clear(PhotonStore *s)
     s->n = 0;
 }
 
-static bool make_batches(PhotonStore *s, uint64_t n)
+static void make_batches(PhotonStore *s, uint64_t n)
 {
     s->batches = MEM_ARRAY(PhotonBatch, n);
     s->nbatches = s->batches ? n : 0;
-    return s->batches != NULL;
+    s->failed = s->failed || !s->batches;
 }
 
 /* As many as bring what is wanted, by what those that were tried have brought. */
@@ -231,8 +231,10 @@ static void arrange(PhotonStore *s)
         s->photons = MEM_ARRAY(Photon, sum);
     if (s->photons && pointtree_init(&s->tree, s->photons, (uint32_t)sum, sizeof(Photon)))
         s->n = (uint32_t)sum;
-    else
+    else {
         photonstore_clear(s);
+        s->failed = true;
+    }
 }
 
 uint64_t photonstore_units(PhotonStore *s, int stage)
@@ -394,8 +396,10 @@ static bool place_records(PhotonRecords *r, const PhotonStore *s)
 
 uint64_t photonrecords_units(PhotonRecords *r, const PhotonStore *s, int stage)
 {
-    if (stage == 0 && !place_records(r, s))
+    if (stage == 0 && !place_records(r, s)) {
         photonrecords_clear(r);
+        r->failed = true;
+    }
     return stage == 0 ? (r->n + RECORDS - 1) / RECORDS : r->n > 0;
 }
 

@@ -58,10 +58,12 @@ typedef struct {
     Photon *photons;            /* owned: in the tree's order */
     uint32_t n;
     PointTree tree;             /* owned */
+    bool     failed;            /* memory ran out, which is reported */
 } PhotonStore;
 
 /* An empty store, which is filled by its stages: the units of a stage in any order, after all of
- * the stage before. Where memory runs out, that is reported, and the store stays empty. */
+ * the stage before. Where memory runs out, that is reported, and the store says that it failed, or
+ * a unit's tracer does. */
 void photonstore_init(PhotonStore *s, const LightSampler *by, PhotonLight light,
                       uint32_t wanted, int maxdepth, int roulette);
 void photonstore_clear(PhotonStore *s);
@@ -95,6 +97,7 @@ typedef struct {
     Photon *records;            /* owned: in the tree's order */
     uint32_t n;
     PointTree tree;             /* owned */
+    bool     failed;            /* as a store's */
 } PhotonRecords;
 
 enum { PHOTONRECORDS_STAGES = 2, RECORD_STEP = 8 };
