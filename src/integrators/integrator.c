@@ -15,13 +15,15 @@
     X(instantradiosity)         /* a few lights that stand for all */           \
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
-    X(irradiancecache)          /* indirect light interpolated */
+    X(irradiancecache)          /* indirect light interpolated */ \
+    X(bdpt)                     /* paths from both ends, connected */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
 const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
-const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge" };
+const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge",
+                                               "connect" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
 bool warn_of_scattering(const Scene *s, const char *method)
