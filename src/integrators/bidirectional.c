@@ -2,6 +2,7 @@
 #include "integrators/bidirectional.h"
 
 #include "integrators/lens.h"
+#include "integrators/lightstore.h"
 
 #include <string.h>
 
@@ -134,8 +135,9 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     sent = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
     if (rgb_black(sent))
         return;
-    others = raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
-             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first);
+    others = b->joins == JOINS_LENS ? 0.0f
+             : raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
+                   odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first);
     lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium),
                rgb_scale(sent, odds_weight(others)), y->edges + 1, t);
 }
@@ -157,7 +159,7 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
         if (!arrive(b, &p, &start, &from, &odds, y, t))
             break;
         if (vertex_is_smooth(&y->v)) {
-            if (b->techniques.connects)
+            if (b->techniques.connects || b->joins == JOINS_LENS)
                 show(b, y, t);
             n++;
         }
@@ -197,7 +199,7 @@ static float implicit_weight(const Bidirectional *b, const Eye *e, const Light *
     V3 d = e->beam.ray.d;
     float others;
 
-    if (e->beam.depth == 0)
+    if (e->beam.depth == 0 || b->joins != JOINS_ALL)
         return 1.0f;
     others = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f) *
              (e->odds.early + raised(q, q->eta) * e->odds.merged);
@@ -326,14 +328,56 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
                 e->beam.depth + 2 + y->edges, STRATEGY_CONNECT, t);
 }
 
+/* What of the light path's vertex goes to the eye, without its density; c is 0 where nothing. */
+static Rgb merge(const Bidirectional *b, const Eye *e, const Vertex *z, const KeptVertex *k)
+{
+    const Techniques *q = &b->techniques;
+    V3 wi = v_neg(kept_way(k)), local;
+    Rgb c;
+
+    if (!vertex_local(z, wi, &local))
+        return rgb_all(0.0f);
+    c = rgb_mul(z->b->kind->eval(z->b, z->wo, local, false),
+                rgb(k->flux[0], k->flux[1], k->flux[2]));
+    if (rgb_black(c))
+        return c;
+    if (b->joins == JOINS_ALL)
+        c = rgb_scale(c, odds_weight((odds_before(&k->odds, q, vertex_pdf_w(z, local)) +
+                                      odds_before(&e->odds, q,
+                                                  z->b->kind->pdf_w(z->b, local, z->wo))) /
+                                     raised(q, q->eta)));
+    return rgb_scale(c, fabsf(local.z) / v_absdot(wi, z->s.ng));
+}
+
+static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
+{
+    PointWalk w = pointgrid_walk(&b->store->arrivals.grid, z->s.p, b->store->radius);
+    Rgb scale = rgb_scale(e->beam.throughput, 1.0f / b->techniques.eta), sum = rgb_all(0.0f);
+    const PlacedPoint *found;
+    float d2;
+
+    while ((found = pointgrid_next(&w, &d2))) {
+        const KeptVertex *k = arrivals_record(&b->store->arrivals, found->id);
+        Rgb c;
+        if ((int)k->edges + e->beam.depth > b->maxdepth)
+            continue;
+        c = rgb_mul(scale, merge(b, e, z, k));
+        tracer_tally(t, (int)k->edges + e->beam.depth + 1, STRATEGY_MERGE, c);
+        sum = rgb_add(sum, c);
+    }
+    return sum;
+}
+
 static Rgb join_all(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *path,
                     int n, Tracer *t)
 {
     Rgb sum = rgb_all(0.0f);
 
+    if (b->techniques.eta > 0.0f && merges_here(b, e))
+        sum = merge_all(b, e, z, t);
     if (!b->techniques.connects)
         return sum;
-    sum = ask(b, e, z, t);
+    sum = rgb_add(sum, ask(b, e, z, t));
     for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
         sum = rgb_add(sum, connect(b, e, z, &path[i], t));
     return sum;
@@ -347,7 +391,8 @@ static bool go_on(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
     float cosine;
     V3 local;
 
-    if (!vertex_sample(z, t, e->beam.depth, &s))
+    if (!vertex_sample(z, t, e->beam.depth, &s) ||
+        (b->joins == JOINS_FIRST_MERGER && s.pdf_w > 0.0f))
         return false;
     cosine = v_absdot(z->s.ng, s.wi);
     local = frame_in(&z->frame, s.wi);
@@ -378,7 +423,7 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
         if (z.s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, implicit_light(b, &e, scene_light_of(b->scene, &z.s), &z.s, cosine,
                                               t));
-        if (e.beam.depth >= b->maxdepth)
+        if (e.beam.depth >= b->maxdepth || b->joins == JOINS_LENS)
             return sum;
         way = v_sub(z.s.p, e.p);
         d2 = e.beam.depth == 0 && b->scene->camera->parallel ? 1.0f : v_dot(way, way);

@@ -38,15 +38,23 @@ typedef struct {
 
 typedef struct LightStore LightStore;
 
+/* Which techniques there are. Those of one kind alone have weight 1. */
+typedef enum {
+    JOINS_ALL,                  /* as Techniques says */
+    JOINS_FIRST_MERGER,         /* where the eye's path first meets no delta: photon maps */
+    JOINS_LENS                  /* light tracing */
+} Joins;
+
 typedef struct {
     const Scene *scene;         /* borrowed */
     LightSampler *asked;        /* owned: which lamp is asked */
     LightSampler *sending;      /* owned: which one sends a path, by power */
     Techniques techniques;
+    Joins joins;
     int   maxdepth, roulette;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
     float paths;                /* of light, for each of the eye's that a whole picture has */
-    const LightStore *store;    /* borrowed: what is merged with; NULL: nothing */
+    const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
 } Bidirectional;
 
 /* Of a zeroed *b, by the options below. False: reported, not cleared. */

@@ -16,7 +16,9 @@
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
     X(irradiancecache)          /* indirect light interpolated */ \
-    X(bdpt)                     /* paths from both ends, connected */
+    X(bdpt)                     /* paths from both ends, connected */          \
+    X(bpm)                      /* the same, merged */                         \
+    X(vcm)                      /* both */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

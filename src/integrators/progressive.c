@@ -10,8 +10,8 @@
 static Rgb gather(const Progressive *it, const Beam *b, const Vertex *v, float radius,
                   float *found, Tracer *t)
 {
-    PointWalk w = pointgrid_walk(&it->pass.grid, v->s.p, radius);
-    float area = (float)((double)PI * radius * radius * (double)it->pass.particles), d2;
+    PointWalk w = pointgrid_walk(&it->pass.arrivals.grid, v->s.p, radius);
+    float area = (float)((double)PI * radius * radius * (double)it->pass.arrivals.paths), d2;
     Rgb sum = rgb_all(0.0f);
     const PlacedPoint *q;
 
