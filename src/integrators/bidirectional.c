@@ -126,7 +126,7 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     const Techniques *q = &b->techniques;
     const Vertex *v = &y->v;
     CameraSample c;
-    float others;
+    float weight = 1.0f;
     Rgb sent;
     V3 local;
 
@@ -135,11 +135,12 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     sent = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
     if (rgb_black(sent))
         return;
-    others = b->joins == JOINS_LENS ? 0.0f
-             : raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
-                   odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first);
-    lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium),
-               rgb_scale(sent, odds_weight(others)), y->edges + 1, t);
+    if (b->joins == JOINS_ALL)
+        weight = odds_weight(raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
+                             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first));
+    sent = lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium), rgb_scale(sent, weight),
+                      y->edges + 1, t);
+    tracer_technique(t, y->edges + 1, 1, weight, sent);
 }
 
 int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, Tracer *t)
@@ -212,11 +213,14 @@ static Rgb implicit_light(const Bidirectional *b, const Eye *e, const Light *l, 
                           float cosine, Tracer *t)
 {
     Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
+    float weight;
 
     if (rgb_black(c))
         return c;
-    c = rgb_scale(c, implicit_weight(b, e, l, hit, cosine));
+    weight = implicit_weight(b, e, l, hit, cosine);
+    c = rgb_scale(c, weight);
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
+    tracer_technique(t, 0, e->beam.depth + 2, weight, c);
     return c;
 }
 
@@ -256,12 +260,19 @@ static bool merges_here(const Bidirectional *b, const Eye *e)
     return b->techniques.first || e->beam.depth > 0;
 }
 
-static Rgb join(const Eye *e, const Vertex *z, V3 wi, Ray *r, Rgb c, int edges, Strategy how,
-                Tracer *t)
+/* c times the weight, by an edge to the last of so many vertices from the lamp, if nothing stands in
+ * the way. */
+static Rgb join(const Eye *e, const Vertex *z, const LightSample *to, Rgb c, float weight,
+                int vertices, Tracer *t)
 {
-    if (!tracer_passes(t, r, medium_beyond(&z->s, wi, e->beam.medium), &c))
+    Ray r = shadow_ray(&z->s, to);
+
+    c = rgb_scale(c, weight);
+    if (!tracer_passes(t, &r, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
         return rgb_all(0.0f);
-    tracer_tally(t, edges, how, c);
+    tracer_tally(t, e->beam.depth + 1 + vertices,
+                 vertices > 1 ? STRATEGY_CONNECT : STRATEGY_EXPLICIT, c);
+    tracer_technique(t, vertices, e->beam.depth + 2, weight, c);
     return c;
 }
 
@@ -277,7 +288,6 @@ static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
     Surface there;
     Seen s;
     Rgb c;
-    Ray r;
 
     if (!l || !light_sample(l, b->beside, z->s.p,
                             sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
@@ -291,9 +301,8 @@ static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
              odds_at(&e->odds, q, s.back, merges_here(b, e));
     if (!l->kind->delta)
         others += raised(q, s.forth / pdf);
-    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), odds_weight(others) / pdf);
-    r = shadow_ray(&z->s, &ls);
-    return join(e, z, ls.wi, &r, c, e->beam.depth + 2, STRATEGY_EXPLICIT, t);
+    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), 1.0f / pdf);
+    return join(e, z, &ls, c, odds_weight(others), 1, t);
 }
 
 static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *y,
@@ -305,7 +314,6 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
     LightSample to;
     Seen s;
     Rgb c;
-    Ray r;
 
     if (!(d2 > 0.0f))
         return rgb_all(0.0f);
@@ -323,9 +331,7 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
                  odds_at(&e->odds, q, s.back, merges_here(b, e));
     to = (LightSample){ .wi = wi, .dist = sqrtf(d2), .p = y->v.s.p, .err = y->v.s.err,
                         .n = y->v.s.ng };
-    r = shadow_ray(&z->s, &to);
-    return join(e, z, wi, &r, rgb_scale(c, odds_weight(others) / d2),
-                e->beam.depth + 2 + y->edges, STRATEGY_CONNECT, t);
+    return join(e, z, &to, rgb_scale(c, 1.0f / d2), odds_weight(others), y->edges + 1, t);
 }
 
 /* What of the light path's vertex goes to the eye, without its density; c is 0 where nothing. */
@@ -373,7 +379,7 @@ static Rgb join_all(const Bidirectional *b, const Eye *e, const Vertex *z, const
 {
     Rgb sum = rgb_all(0.0f);
 
-    if (b->techniques.eta > 0.0f && merges_here(b, e))
+    if (b->store && b->techniques.eta > 0.0f && merges_here(b, e))
         sum = merge_all(b, e, z, t);
     if (!b->techniques.connects)
         return sum;
