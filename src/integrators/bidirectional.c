@@ -176,6 +176,7 @@ typedef struct {
     Beam beam;
     V3   p, up;                 /* its last vertex, as lamps are asked from there */
     Odds odds;                  /* before the ray arrives */
+    float found;                /* so far, by joining: largest channels */
 } Eye;
 
 static Eye eye_begin(const Bidirectional *b, const Ray *r)
@@ -260,23 +261,43 @@ static bool merges_here(const Bidirectional *b, const Eye *e)
     return b->techniques.first || e->beam.depth > 0;
 }
 
+/* What brings little beside what the sample has found is worth a ray by chance only: c then stands
+ * for those that were left out. The chance looks at what is known before the ray, so the mean is
+ * what it was. False: no ray. [Cline07 7.9.2] */
+static bool tries(const Bidirectional *b, const Eye *e, int vertices, Rgb *c, Tracer *t)
+{
+    float least = b->little * e->found, brings = rgb_max(*c);
+
+    if (brings >= least)
+        return true;
+    if (sample_1d(&t->sampler, DECISION(DECIDE_KEEP, e->beam.depth * (DEPTH_MOST + 1) + vertices)) *
+        least >= brings)
+        return false;
+    *c = rgb_scale(*c, least / brings);
+    return true;
+}
+
 /* c times the weight, by an edge to the last of so many vertices from the lamp, if nothing stands in
  * the way. */
-static Rgb join(const Eye *e, const Vertex *z, const LightSample *to, Rgb c, float weight,
-                int vertices, Tracer *t)
+static Rgb join(const Bidirectional *b, Eye *e, const Vertex *z, const LightSample *to, Rgb c,
+                float weight, int vertices, Tracer *t)
 {
-    Ray r = shadow_ray(&z->s, to);
+    Ray r;
 
     c = rgb_scale(c, weight);
+    if (!tries(b, e, vertices, &c, t))
+        return rgb_all(0.0f);
+    r = shadow_ray(&z->s, to);
     if (!tracer_passes(t, &r, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
         return rgb_all(0.0f);
     tracer_tally(t, e->beam.depth + 1 + vertices,
                  vertices > 1 ? STRATEGY_CONNECT : STRATEGY_EXPLICIT, c);
     tracer_technique(t, vertices, e->beam.depth + 2, weight, c);
+    e->found += rgb_max(c);
     return c;
 }
 
-static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
+static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
 {
     const Techniques *q = &b->techniques;
     float u = b->scene->nlights > 1 ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth))
@@ -302,10 +323,10 @@ static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
     if (!l->kind->delta)
         others += raised(q, s.forth / pdf);
     c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), 1.0f / pdf);
-    return join(e, z, &ls, c, odds_weight(others), 1, t);
+    return join(b, e, z, &ls, c, odds_weight(others), 1, t);
 }
 
-static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *y,
+static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *y,
                    Tracer *t)
 {
     const Techniques *q = &b->techniques;
@@ -331,8 +352,10 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
                  odds_at(&e->odds, q, s.back, merges_here(b, e));
     to = (LightSample){ .wi = wi, .dist = sqrtf(d2), .p = y->v.s.p, .err = y->v.s.err,
                         .n = y->v.s.ng };
-    return join(e, z, &to, rgb_scale(c, 1.0f / d2), odds_weight(others), y->edges + 1, t);
+    return join(b, e, z, &to, rgb_scale(c, 1.0f / d2), odds_weight(others), y->edges + 1, t);
 }
+
+enum { GATHERED = 16 };
 
 /* What of the light path's vertex goes to the eye, without its density; c is 0 where nothing. */
 static Rgb merge(const Bidirectional *b, const Eye *e, const Vertex *z, const KeptVertex *k)
@@ -355,38 +378,61 @@ static Rgb merge(const Bidirectional *b, const Eye *e, const Vertex *z, const Ke
     return rgb_scale(c, fabsf(local.z) / v_absdot(wi, z->s.ng));
 }
 
-static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
+/* The next of those that are near enough, sent for before they are looked at. Returns how many. */
+static int gather(const Bidirectional *b, PointWalk *w, const KeptVertex *k[GATHERED])
 {
-    PointWalk w = pointgrid_walk(&b->store->arrivals.grid, z->s.p, b->store->radius);
-    Rgb scale = rgb_scale(e->beam.throughput, 1.0f / b->techniques.eta), sum = rgb_all(0.0f);
     const PlacedPoint *found;
     float d2;
+    int n = 0;
 
-    while ((found = pointgrid_next(&w, &d2))) {
-        const KeptVertex *k = arrivals_record(&b->store->arrivals, found->id);
-        Rgb c;
-        if ((int)k->edges + e->beam.depth > b->maxdepth)
-            continue;
-        c = rgb_mul(scale, merge(b, e, z, k));
-        tracer_tally(t, (int)k->edges + e->beam.depth + 1, STRATEGY_MERGE, c);
-        sum = rgb_add(sum, c);
+    while (n < GATHERED && (found = pointgrid_next(w, &d2))) {
+        k[n] = arrivals_record(&b->store->arrivals, found->id);
+        PREFETCH(k[n]);
+        n++;
     }
+    return n;
+}
+
+static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, PointWalk *w, Tracer *t)
+{
+    Rgb scale = rgb_scale(e->beam.throughput, 1.0f / b->techniques.eta), sum = rgb_all(0.0f);
+    const KeptVertex *k[GATHERED];
+    int n;
+
+    while ((n = gather(b, w, k)))
+        for (int i = 0; i < n; i++) {
+            Rgb c;
+            if ((int)k[i]->edges + e->beam.depth > b->maxdepth)
+                continue;
+            c = rgb_mul(scale, merge(b, e, z, k[i]));
+            tracer_tally(t, (int)k[i]->edges + e->beam.depth + 1, STRATEGY_MERGE, c);
+            sum = rgb_add(sum, c);
+        }
     return sum;
 }
 
-static Rgb join_all(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *path,
-                    int n, Tracer *t)
+static Rgb connect_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
+                       int n, Tracer *t)
 {
-    Rgb sum = rgb_all(0.0f);
+    Rgb sum = ask(b, e, z, t);
 
-    if (b->store && b->techniques.eta > 0.0f && merges_here(b, e))
-        sum = merge_all(b, e, z, t);
-    if (!b->techniques.connects)
-        return sum;
-    sum = rgb_add(sum, ask(b, e, z, t));
     for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
         sum = rgb_add(sum, connect(b, e, z, &path[i], t));
     return sum;
+}
+
+static Rgb join_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
+                    int n, Tracer *t)
+{
+    bool merges = b->store && b->techniques.eta > 0.0f && merges_here(b, e);
+    Rgb sum = rgb_all(0.0f);
+    PointWalk w;
+
+    if (merges)                 /* begun early: see pointgrid.c */
+        w = pointgrid_walk(&b->store->arrivals.grid, z->s.p, b->store->radius);
+    if (b->techniques.connects)
+        sum = connect_all(b, e, z, path, n, t);
+    return merges ? rgb_add(sum, merge_all(b, e, z, &w, t)) : sum;
 }
 
 /* ---- the eye's path, from event to event ---- */
@@ -449,6 +495,7 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
     b->scene = s;
     b->maxdepth = (int)opt_int(o, "maxdepth");
     b->roulette = (int)opt_int(o, "roulette");
+    b->little = opt_float(o, "little");
     b->techniques.heuristic = opt_is(o, "weights", "power")     ? HEURISTIC_POWER
                               : opt_is(o, "weights", "balance") ? HEURISTIC_BALANCE
                                                                 : HEURISTIC_UNIFORM;
@@ -457,7 +504,8 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
      * told */
     b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
     b->paths = 1.0f;
-    b->asked = lightsampler_open(opt_string(o, "lightsampler"), s);
+    /* one lamp is no choice: whether it can be seen, sampling it tells */
+    b->asked = lightsampler_open(s->nlights > 1 ? opt_string(o, "lightsampler") : "uniform", s);
     b->sending = lightsampler_open("power", s);
     return b->asked && b->sending && warn_of_scattering(s, name);
 }
