@@ -17,7 +17,7 @@
 
 #define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(layers) \
     X(principled) X(image) \
-    X(image_png) X(image_pngread) X(textures) X(relief) X(mtl) \
+    X(image_png) X(image_pngread) X(image_exr) X(textures) X(relief) X(mtl) \
     X(statistics) X(image_noise) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \

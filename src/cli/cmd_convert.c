@@ -60,7 +60,7 @@ static void expose(Image *im, float stops)
 
 static int run(int argc, char **argv)
 {
-    Line l = { { NULL, NULL }, 0, { NULL, 0 }, (int64_t)IMAGE_PIXELS_DEFAULT };
+    Line l = { .max_pixels = (int64_t)IMAGE_PIXELS_DEFAULT };
     const ImageFormat *format;
     Image im = { 0 };
     bool ok;

@@ -27,7 +27,11 @@ static inline Rgb *image_at(const Image *im, uint32_t x, uint32_t y)
 /* How display formats (png, ppm) get their bytes: v = tonemap(2^exposure * linear), then the sRGB
  * curve, rounded. tonemap NULL: clamp. Formats that hold floats store the linear values. */
 typedef struct ToneMap ToneMap;
-typedef struct { const ToneMap *tonemap; float exposure; } Display;
+typedef struct {
+    const ToneMap *tonemap;
+    float exposure;
+    bool  uncompressed;                                 /* of formats that may be either (exr) */
+} Display;
 
 struct ToneMap {
     KindInfo info;
