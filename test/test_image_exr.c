@@ -1,5 +1,5 @@
-/* test_image_exr.c -- OpenEXR: what is written comes back to the last bit, layer by layer; files put
- * together by the letter in every form that is read; broken ones. */
+/* test_image_exr.c -- OpenEXR: what is written comes back to the last bit, layer by layer; files
+ * put together by the letter in every form that is read; broken ones. */
 #include "image/deflate.h"
 #include "image/exr.h"
 #include "image/inflate.h"
@@ -313,6 +313,7 @@ static void by_the_letter(void)
                                          0, 0, 0x80, 0x3F };
     const char *path = in_folder("one.exr");
     Display plain = { .uncompressed = true };
+    unsigned char mixed[5];
     Image im = new_image(1, 1);
     FileBytes f;
 
@@ -321,6 +322,8 @@ static void by_the_letter(void)
     REQUIRE(file_read(path, 1 << 20, &f), "file_read");
     EXPECT(f.size > 200 && !memcmp(f.bytes, begin, sizeof begin), "the beginning");
     EXPECT(!memcmp(f.bytes + f.size - sizeof end, end, sizeof end), "the end");
+    exr_arrange((const unsigned char *)"\1\2\3\4\5", mixed, 5);   /* 1 3 5 2 4, and differences */
+    EXPECT(!memcmp(mixed, "\1\202\202\175\202", 5), "arranged");
     EXPECT((unsigned char)f.bytes[f.size - 28] == ((f.size - 20) & 255), "the offset");
     file_clear(&f);
     image_clear(&im);
@@ -358,7 +361,7 @@ typedef struct { unsigned long runs, read; } Tally;
 static void try_bytes(const unsigned char *bytes, size_t n, Tally *t)
 {
     long blocks = mem_blocks();
-    size_t held = mem_bytes(), peak, most = (sizeof(Rgb) / 2 + 2) * n * INFLATE_RATIO;
+    size_t held = mem_bytes(), most = (sizeof(Rgb) / 2 + 2) * n * INFLATE_RATIO, peak;
     unsigned char *exact = malloc(n ? n : 1);   /* so that one byte too far is seen */
     Image im;
     bool ok;
@@ -372,8 +375,8 @@ static void try_bytes(const unsigned char *bytes, size_t n, Tally *t)
     peak = mem_peak() - held;
     EXPECT(ok == (err_status() == STATUS_OK) && ok == (im.pixels != NULL), "status %d",
            err_status());
-    EXPECT(peak <= most + sizeof(Inflate) + 200, "%lu bytes from a file of %lu", (unsigned long)peak,
-           (unsigned long)n);
+    EXPECT(peak <= most + sizeof(Inflate) + 200, "%lu bytes from a file of %lu",
+           (unsigned long)peak, (unsigned long)n);
     image_clear(&im);
     EXPECT(mem_blocks() == blocks, "leaks");
     free(exact);

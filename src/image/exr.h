@@ -6,8 +6,8 @@
 
 enum { EXR_LAYERS = 64, EXR_NAME = 64 };
 enum { EXR_MAGIC = 20000630, EXR_VERSION = 2 };
-enum { EXR_NONE, EXR_RLE, EXR_ZIPS, EXR_ZIP };          /* kinds of compression, as files say them */
-enum { EXR_UINT, EXR_HALF, EXR_FLOAT };                 /* kinds of channels, as files say them */
+enum { EXR_NONE, EXR_RLE, EXR_ZIPS, EXR_ZIP };          /* ways of packing, as files say them */
+enum { EXR_UINT, EXR_HALF, EXR_FLOAT };                 /* kinds of channels, likewise */
 enum { EXR_ZIP_LINES = 16 };                            /* in a block of kind ZIP */
 
 /* name: "" for the picture, else what stands before the dot in the names of the channels. channels:

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "image/exr.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -162,6 +163,23 @@ bool image_read_as(Image *im, const char *path, uint64_t max_pixels, Encoding en
         return false;
     ok = read_bytes(im, path, (const unsigned char *)f.bytes, f.size, max_pixels,
                     encoding);
+    file_clear(&f);
+    return ok;
+}
+
+bool image_read_layer(Image *im, const char *path, uint64_t max_pixels, const char *layer)
+{
+    FileBytes f;
+    bool ok;
+
+    memset(im, 0, sizeof *im);
+    if (!file_read(path, FILE_LIMIT_DEFAULT, &f))
+        return false;
+    if (image_format_exr.detect((const unsigned char *)f.bytes, f.size))
+        ok = exr_read(im, path, (const unsigned char *)f.bytes, f.size, max_pixels, layer);
+    else
+        ok = err_at((Place){ path, 0, 0 }, "only EXR files have layers, --layer %s was asked for",
+                    layer);
     file_clear(&f);
     return ok;
 }
