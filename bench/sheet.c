@@ -39,7 +39,7 @@ static void paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint
 
 int sheet(int argc, char **argv)
 {
-    static const Display display = { NULL, 0 };
+    static const Display display = { 0 };
     uint32_t columns, w, h, n = (uint32_t)(argc - 4);
     Image all, im;
     bool ok;
