@@ -63,6 +63,24 @@ static Ray eye_ray(const Scene *s, V2 place, Tracer *t)
     return c->kind->ray(c, place, lens, scene_time(s, u));
 }
 
+/* Brightness of what was found. What the film would refuse is given to it at once, so that it is
+ * counted, and is no more: no chain will take to it. */
+static float brightness_of(SplatList *l, Tracer *t)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < l->n; i++) {
+        Splat *s = &l->splats[i];
+        if (UNLIKELY(!film_takes(s->c))) {
+            film_splat(t->canvas->film, t->canvas->filter, s->place, s->layers, s->c);
+            s->c = rgb_all(0.0f);
+        }
+        if (s->layers & 1)
+            sum += rgb_lum(s->c);
+    }
+    return sum > 0 ? (float)sum : 0.0f;
+}
+
 /* Makes the sample that the chain's sampler proposes, and keeps back what light it brings. Returns
  * its brightness. The tracer is as it was, but for the rays that were cast. */
 static float sample(const Pssmlt *it, Walk *w, Tracer *t)
@@ -72,7 +90,6 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     Tally tally;
     Ray r;
     Rgb seen;
-    double sum = 0;
 
     l->n = 0;
     t->held = l;
@@ -91,10 +108,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     was.rays = t->rays;
     was.failed = t->failed;
     *t = was;
-    for (size_t i = 0; i < l->n; i++)
-        if (l->splats[i].layers & 1)
-            sum += chains_brightness(l->splats[i].c);
-    return (float)sum;
+    return brightness_of(l, t);
 }
 
 /* ---- what chains ask for ---- */
@@ -231,6 +245,13 @@ static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
     return it->over && (it->direct || !opt_bool(o, "direct"));
 }
 
+static bool check_steps(const Opts *o)
+{
+    return opt_float(o, "least") <= opt_float(o, "largest") ||
+           err_usage("pssmlt: least=%g is more than largest=%g", (double)opt_float(o, "least"),
+                     (double)opt_float(o, "largest"));
+}
+
 static Integrator *open_pssmlt(const Scene *s, const Opts *o)
 {
     Pssmlt *it = MEM_NEW(Pssmlt);
@@ -242,7 +263,7 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
     it->chains.base.scene = s;
     chains_open(&it->chains, &kind, o);
     primary_kernel(&it->kernel, opt_float(o, "least"), opt_float(o, "largest"));
-    if (open_over(it, s, o))
+    if (check_steps(o) && open_over(it, s, o))
         return &it->chains.base;
     close_pssmlt(&it->chains.base);
     return NULL;
@@ -269,7 +290,8 @@ static const OptDef options[] = {
 
 const IntegratorKind integrator_pssmlt = {
     .info = { "pssmlt", "Kelemen02; Cline07 7.13",
-              "Metropolis light transport: chains of the numbers that samples are made of", options },
+              "Metropolis light transport: chains of the numbers that samples are made of",
+              options },
     .truth = CONSISTENT, .misses = "what the integrator misses whose samples it changes",
     .splats = true, .open = open_pssmlt, .close = close_pssmlt, .prepare = prepare,
     .radiance = radiance, .phases = CHAINS_PHASES, .anew = true,
