@@ -63,20 +63,33 @@ static Ray eye_ray(const Scene *s, V2 place, Tracer *t)
     return c->kind->ray(c, place, lens, scene_time(s, u));
 }
 
-/* Brightness of what was found. What the film would refuse is given to it at once, so that it is
- * counted, and is no more: no chain will take to it. */
+/* Whether pixels of the window may look at the place. */
+static bool is_looked_at(const Film *f, const Filter *by, V2 place)
+{
+    double rx = by->axis[0].radius - 0.5, ry = by->axis[1].radius - 0.5;
+
+    return place.x >= f->x0 - rx && place.x <= f->x1 + rx && place.y >= f->y0 - ry &&
+           place.y <= f->y1 + ry;
+}
+
+/* Keeps of what was found what can be seen, and returns its brightness. What the film would refuse
+ * is given to it at once, so that it is counted, and is no more: no chain will take to it. */
 static float brightness_of(SplatList *l, Tracer *t)
 {
+    Film *f = t->canvas->film;
+    const Filter *by = t->canvas->filter;
+    size_t n = l->n;
     double sum = 0;
 
-    for (size_t i = 0; i < l->n; i++) {
-        Splat *s = &l->splats[i];
-        if (UNLIKELY(!film_takes(s->c))) {
-            film_splat(t->canvas->film, t->canvas->filter, s->place, s->layers, s->c);
-            s->c = rgb_all(0.0f);
+    l->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        Splat s = l->splats[i];
+        if (UNLIKELY(!film_takes(s.c)))
+            film_splat(f, by, s.place, s.layers, s.c);
+        else if (is_looked_at(f, by, s.place)) {
+            l->splats[l->n++] = s;
+            sum += s.layers & 1 ? rgb_lum(s.c) : 0.0f;
         }
-        if (s->layers & 1)
-            sum += rgb_lum(s->c);
     }
     return sum > 0 ? (float)sum : 0.0f;
 }
@@ -204,11 +217,15 @@ static void close_pssmlt(Integrator *base)
     mem_free(it);
 }
 
-static bool has(const OptDef *defs, const char *key)
+/* Sets an option that the other integrator may have, within what it takes. */
+static void set_for(Opts *own, const char *key, double value)
 {
-    while (defs && defs->key && strcmp(defs->key, key))
-        defs++;
-    return defs && defs->key;
+    const OptDef *d = own->defs;
+
+    while (d && d->key && strcmp(d->key, key))
+        d++;
+    if (d && d->key)
+        opt_set_number(own, key, d_min(value, d->hi));
 }
 
 /* Another integrator, with what it shares of these options. NULL: reported. */
@@ -218,10 +235,8 @@ static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opt
     Opts own;
 
     opts_default(&own, k->info.options);
-    if (has(k->info.options, "maxdepth"))
-        opt_set_number(&own, "maxdepth", maxdepth);
-    if (has(k->info.options, "roulette"))
-        opt_set_number(&own, "roulette", (double)opt_int(o, "roulette"));
+    set_for(&own, "maxdepth", maxdepth);
+    set_for(&own, "roulette", (double)opt_int(o, "roulette"));
     other = k->open(s, &own);
     if (other)
         other->kind = k;
@@ -270,11 +285,11 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "over", .type = OPT_STRING, .str = "path",
+    { .key = "over", .type = OPT_STRING, .str = "bdpt",
       .help = "the integrator whose samples are changed" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "light scattered once at most is left to path, a sample for each pixel and pass" },
-    { .key = "large", .type = OPT_FLOAT, .num = 0.3, .lo = 0.001, .hi = 1,
+    { .key = "large", .type = OPT_FLOAT, .num = 0.5, .lo = 0.001, .hi = 1,
       .help = "share of steps to new samples" },
     { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,
       .help = "shortest move of a number in a small step" },
