@@ -245,8 +245,8 @@ static void any_scene(Lab *l)
     lab_build(l);
 }
 
-/* Mean luminance of a window of the picture. */
-static Stat window_mean(Lab *l, const char *method, uint32_t spp, uint64_t seed)
+/* Mean luminance of a window of the picture, or (aov not NULL) of an extra one. */
+static Stat window_mean(Lab *l, const char *method, const char *aov, uint32_t spp, uint64_t seed)
 {
     Stat st = { 0, 0, 0, 0, 0 };
     RenderReport report;
@@ -256,12 +256,14 @@ static Stat window_mean(Lab *l, const char *method, uint32_t spp, uint64_t seed)
     REQUIRE(image_init(&im, 5, 4), "memory");
     picture_settings(l, &s, method, 32, 32, spp);
     memcpy(s.crop, (uint32_t[4]){ 0, 14, 5, 18 }, sizeof s.crop);
+    s.naovs = aov != NULL;
+    REQUIRE(!aov || aov_parse(&s.aovs[0], aov), "%s", aov);
     for (int run = 0; run < 24; run++) {
         Film film;
         double sum = 0;
         s.seed = seed + (uint64_t)run;
         picture_render(l, &s, &film, &report);
-        film_picture(&film, 0, &im);
+        film_picture(&film, s.naovs, &im);
         for (int i = 0; i < 20; i++)
             sum += rgb_lum(im.pixels[i]) / 20;
         stat_add_block(&st, sum, 1, 0);
@@ -282,9 +284,9 @@ static void windows(void)
     for (int k = 0; k < 3; k++) {
         Stat a, b;
         snprintf(method, sizeof method, "pssmlt:direct=%d," FEW "%s", k == 1, filters_of[k]);
-        a = window_mean(&l, method, 400, 100);
+        a = window_mean(&l, method, NULL, 400, 100);
         snprintf(method, sizeof method, "path:maxdepth=4,roulette=2%s", filters_of[k]);
-        b = window_mean(&l, method, 200, 200);
+        b = window_mean(&l, method, NULL, 200, 200);
         stat_expect_same(&a, &b, 0.2, filters_of[k]);
     }
     lab_clear(&l);
@@ -296,7 +298,8 @@ static void parts_of(Lab *l, const char *method)
     enum { AOVS = 9 };
     static const char *const aovs[AOVS] = {
         "strategy:implicit=a.pfm", "strategy:explicit=b.pfm", "strategy:lens=c.pfm",
-        "strategy:connect=i.pfm", "length:1=d.pfm", "length:2=e.pfm", "length:3=f.pfm", "length:4=g.pfm", "length:5=h.pfm"
+        "strategy:connect=i.pfm", "length:1=d.pfm", "length:2=e.pfm", "length:3=f.pfm",
+        "length:4=g.pfm", "length:5=h.pfm"
     };
     RenderSettings s;
     RenderReport report;
@@ -338,6 +341,23 @@ static void parts(void)
     parts_of(&l, "pssmlt:over=path," FEW);
     parts_of(&l, "pssmlt:over=light,direct=0," FEW "@@gaussian");
     parts_of(&l, "pssmlt:over=bdpt," FEW);
+    lab_clear(&l);
+}
+
+/* Each part is what it is of `path`. */
+static void parts_alone(void)
+{
+    static const char *const aovs[] = { "length:2=a.pfm", "length:3=a.pfm",
+                                        "strategy:explicit=a.pfm" };
+    Lab l;
+
+    any_scene(&l);
+    for (int k = 0; k < 3; k++) {
+        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, aovs[k], 100,
+                             300);
+        Stat b = window_mean(&l, PATH, aovs[k], 100, 400);
+        stat_expect_same(&a, &b, 0.4, aovs[k]);
+    }
     lab_clear(&l);
 }
 
@@ -443,6 +463,7 @@ const TestCase test_pssmlt[] = {
     { "lamps", lamps, false },
     { "windows", windows, false },
     { "parts", parts, false },
+    { "parts_alone", parts_alone, false },
     { "tallies", tallies, false },
     { "refused", refused, false },
     { "dark", dark, false },
