@@ -281,6 +281,8 @@ static const Scenario OTHERS[] = {
     { "roof.ply --quiet --threads 1 --size 4x4 --spp 1", { "roof.png" }, 20 },
     { "tiny.pbrt --quiet --threads 2 --size 4x4 --spp 2 --integrator sppm:photons=3000 -o s.pfm",
       { "s.pfm" }, 30 },
+    { "tiny.pbrt --quiet --threads 2 --size 4x4 --spp 2 -o s.pfm "
+      "--integrator pssmlt:chains=2,bootstrap=999", { "s.pfm" }, 30 },
     { "info tiny.pbrt", { NULL }, 30 },
     { "info sky.pfm", { NULL }, 1 },
     { "convert sky.pfm a.png", { "a.png" }, 4 },
