@@ -11,6 +11,7 @@
     { "integrator/ppm", 0x165424D818332597 },
     { "integrator/sppm", 0xA0CBF0BDBDAAFA7E },
     { "integrator/irradiancecache", 0x401630B330CA4425 },
+    { "integrator/radiancecache", 0x401630B330CA4425 },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },
     { "sampler/stratified", 0x93C7D3AC21D43881 },

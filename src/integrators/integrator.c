@@ -15,7 +15,8 @@
     X(instantradiosity)         /* a few lights that stand for all */           \
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
-    X(irradiancecache)          /* indirect light interpolated */
+    X(irradiancecache)          /* indirect light interpolated */            \
+    X(radiancecache)            /* the same for glossy surfaces */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
