@@ -4,7 +4,7 @@
 #include "base/mem.h"
 #include "scene/camera.h"
 
-enum { COARSEST = 64 };
+enum { COARSEST = 64, SETS = RECORDCACHE_SETS };
 enum { RECORDS_OF = 1 << 30 };  /* added to a pixel's x: the numbers of its records */
 
 /* ---- light along a path ---- */
@@ -63,21 +63,46 @@ static bool ask(const RecordCache *it, const Beam *b, const Vertex *v, const Bsd
     return true;
 }
 
-/* What leaves the vertex along the beam, but for its own light. */
+/* What photons say of all light that leaves the vertex but by deltas. After an event that was none,
+ * *L stays as it is where blur would come from as far as the beam itself: false. */
+static bool by_photons(const RecordCache *it, const Beam *b, const Vertex *v, bool delta, Rgb *L)
+{
+    float r2 = 0.0f;
+    Rgb all;
+
+    if (!it->maps.photons.wanted || b->way >= 0.0f)
+        return false;
+    all = photonmaps_gathered(&it->maps, v, &r2);
+    if (!delta && v_len2(v_sub(v->s.p, b->ray.o)) < r2)
+        return false;
+    *L = all;
+    return true;
+}
+
+/* What has come straight from lamps, or by deltas alone if photons tell of that. */
+static Rgb lit(const RecordCache *it, const Beam *b, const Vertex *v, Tracer *t)
+{
+    Turn u = turn_on(v, b->ray.d, b->medium, b->depth);
+    return rgb_add(direct(it, &u, t), photonmaps_caustics(&it->maps, v));
+}
+
+/* What leaves the vertex along the beam, but for its own light. Lamps that deltas lead to are
+ * shown, unless they are caustics of which photons tell. */
 static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, bool records, Tracer *t)
 {
     const Scene *scene = it->base.scene;
     Rgb sum = rgb_all(0.0f), L;
+    bool delta = false;
 
     while (b->depth < it->maxdepth) {
+        bool told = false, shown;
         BsdfSample s;
-        bool delta;
         vertex_make(v, scene, b->ray.d);
         if (vertex_is_smooth(v)) {
-            Turn u = turn_on(v, b->ray.d, b->medium, b->depth);
-            sum = rgb_add(sum, rgb_mul(b->throughput, direct(it, &u, t)));
+            told = by_photons(it, b, v, delta, &L);
+            sum = rgb_add(sum, rgb_mul(b->throughput, told ? L : lit(it, b, v, t)));
         }
-        if (!vertex_sample(v, t, b->depth, &s))
+        if (!vertex_sample(v, t, b->depth, &s) || (told && s.pdf_w > 0.0f))
             break;
         if (records && ask(it, b, v, &s, t, &L)) {
             L = rgb_mul(rgb_mul(b->throughput, s.weight), L);
@@ -88,9 +113,10 @@ static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, bool records, Trace
         beam_turn(b, v, &s);
         if (!beam_survives(b, it->roulette, t))
             break;
+        shown = delta && !(b->way < 0.0f && it->maps.caustics.wanted);
         if (!beam_meets(b, &v->s, t))
-            return delta ? rgb_add(sum, beam_shows_beyond(b, t)) : sum;
-        if (delta && v->s.shape->light != NO_LIGHT)
+            return shown ? rgb_add(sum, beam_shows_beyond(b, t)) : sum;
+        if (shown && v->s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, beam_shows(b, scene_light_of(scene, &v->s), &v->s, t));
     }
     return sum;
@@ -332,10 +358,13 @@ uint64_t recordcache_units(Integrator *base, const Film *f, uint32_t pass, int p
     RecordCache *it = (RecordCache *)base;
 
     (void)f, (void)pass;
+    if (phase < PHOTONMAPS_STAGES)
+        return photonmaps_units(&it->maps, phase, &base->failed);
+    phase -= PHOTONMAPS_STAGES;
     if (!it->overture || base->failed)
         return 0;
     base->failed = !(phase % 2 ? list_places(it) : take_in(it));
-    if (base->failed || phase == RECORDCACHE_PHASES - 1)
+    if (base->failed || phase == 2 * SETS)
         return 0;
     return phase % 2 ? it->n : it->h;
 }
@@ -345,7 +374,10 @@ void recordcache_run(Integrator *base, Film *f, uint32_t pass, int phase, uint64
     RecordCache *it = (RecordCache *)base;
 
     (void)f, (void)pass;
-    if (phase % 2)
+    phase -= PHOTONMAPS_STAGES;
+    if (phase < 0)
+        photonmaps_run(&it->maps, phase + PHOTONMAPS_STAGES, unit, t);
+    else if (phase % 2)
         make(it, unit, t);
     else
         look(it, phase / 2, (uint32_t)unit, t);
@@ -375,6 +407,7 @@ void recordcache_clear(RecordCache *it)
 {
     irradiance_clear(&it->matt);
     radiance_clear(&it->glossy);
+    photonmaps_clear(&it->maps);
     lighting_clear(&it->lighting);
     mem_free(it->wanted);
     mem_free(it->places);
@@ -396,7 +429,8 @@ bool recordcache_open(RecordCache *it, const char *name, const Scene *s, const O
     it->least = opt_float(o, "minspacing");
     it->most = f_max(it->least, opt_float(o, "maxspacing"));
     it->gradients = opt_bool(o, "gradients");
-    if (!warn_of_scattering(s, name) || !lighting_init(&it->lighting, s, o, true, false))
+    if (!warn_of_scattering(s, name) || !lighting_init(&it->lighting, s, o, true, false) ||
+        !photonmaps_open(&it->maps, s, o, it->maxdepth, 1, true))
         return false;
     lighting_shares(&it->lighting, 1, 1);
     return true;

@@ -18,7 +18,11 @@
  *             them leaves an edge.
  * Elsewhere   Where a sample meets a place that no record knows (behind a lobe, past an edge) the
  *             path goes on by one direction, as `path` does: noisy, not wrong, nothing is stored.
- * Misses      The detail of caustics and of whatever is smaller than the distance of records.
+ * Photons     With photons > 0, what arrives where a ray of a record ends is looked up in a photon
+ *             map, unless that is blurred from as far as the ray is long; with caustics > 0, light
+ *             by mirrors and glass alone is looked up where the eye sees it.
+ * Misses      The detail of caustics (unless they have photons) and of whatever is smaller than the
+ *             distance of records.
  *             Paths that reach a record by d deltas may have d events more than maxdepth.
  * Motion      A record is made at one moment, and serves all. */
 #ifndef INTEGRATORS_RECORDCACHE_H
@@ -27,6 +31,7 @@
 #include "integrators/beam.h"
 #include "integrators/irradiance.h"
 #include "integrators/lighting.h"
+#include "integrators/photonmaps.h"
 #include "integrators/radiance.h"
 
 typedef struct RecordCache RecordCache;
@@ -42,6 +47,7 @@ typedef bool AskMatt(const RecordCache *it, const Beam *b, const Vertex *v, cons
 struct RecordCache {
     Integrator base;
     Lighting lighting;          /* owned */
+    PhotonMaps maps;            /* owned */
     AskMatt *ask;
     int   maxdepth, roulette, rays;
     float a, overlap;           /* accuracy of records, and times that when pixels ask */
@@ -68,7 +74,7 @@ bool recordcache_open(RecordCache *it, const char *name, const Scene *s, const O
 void recordcache_clear(RecordCache *it);
 
 /* Of the kind: prepare, radiance, phases, units, run. */
-enum { RECORDCACHE_SETS = 13, RECORDCACHE_PHASES = 2 * RECORDCACHE_SETS + 1 };
+enum { RECORDCACHE_SETS = 13, RECORDCACHE_PHASES = PHOTONMAPS_STAGES + 2 * RECORDCACHE_SETS + 1 };
 bool recordcache_prepare(Integrator *it, const Film *f, uint64_t seed);
 Rgb  recordcache_radiance(const Integrator *it, const Ray *r, Tracer *t);
 uint64_t recordcache_units(Integrator *it, const Film *f, uint32_t pass, int phase);
@@ -96,6 +102,7 @@ IrradianceRecord recordcache_make(const RecordCache *it, const Vertex *v, const 
       .help = "most scattering events of a path; 0 shows lights only, 1 uses no records" }, \
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth", \
       .help = "first scattering event after which a path may end by chance" }, \
+    PHOTONMAPS_OPTIONS(0, 0, "rays of records are paths"),                     \
     LIGHTING_HEURISTIC,                                                        \
     LIGHTING_SKY,                                                              \
     LIGHTING_LIGHTSAMPLER
