@@ -47,13 +47,13 @@ static Rgb lit(const PhotonMap *it, const Beam *b, const Vertex *v, Tracer *t)
 static Rgb gathered_along(const PhotonMap *it, Beam *g, V3 from, Tracer *t)
 {
     Rgb sum = rgb_all(0.0f);
-    bool deltas = false;
+    bool deltas = false, caustics = it->maps.caustics.wanted > 0;
 
     for (;;) {
         Vertex v;
         if (!beam_meets(g, &v.s, t))
-            return deltas && !it->maps.caustics.wanted ? rgb_add(sum, beam_shows_beyond(g, t)) : sum;
-        if (deltas && !it->maps.caustics.wanted && v.s.shape->light != NO_LIGHT)
+            return deltas && !caustics ? rgb_add(sum, beam_shows_beyond(g, t)) : sum;
+        if (deltas && !caustics && v.s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, beam_shows(g, scene_light_of(t->scene, &v.s), &v.s, t));
         if (g->depth >= it->maxdepth)
             return sum;
