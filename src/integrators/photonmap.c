@@ -106,26 +106,37 @@ static Rgb indirect(const PhotonMap *it, const Beam *b, const Vertex *v, Tracer 
     return rgb_mul(b->throughput, photonmaps_radiance(&it->maps, v));
 }
 
-static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+/* What the beam finds until it ends or forks. */
+static Rgb found(const PhotonMap *it, Beam *b, Forks *forks, Tracer *t)
 {
-    const PhotonMap *it = (const PhotonMap *)base;
-    Beam b = beam_from_eye(r, t->scene);
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
         Vertex v;
-        if (!beam_meets(&b, &v.s, t))
-            return rgb_add(sum, beam_shows_beyond(&b, t));
+        if (!beam_meets(b, &v.s, t))
+            return rgb_add(sum, beam_shows_beyond(b, t));
         if (v.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, beam_shows(&b, scene_light_of(t->scene, &v.s), &v.s, t));
-        if (b.depth >= it->maxdepth)
+            sum = rgb_add(sum, beam_shows(b, scene_light_of(t->scene, &v.s), &v.s, t));
+        if (b->depth >= it->maxdepth)
             return sum;
-        vertex_make(&v, t->scene, b.ray.d);
+        vertex_make(&v, t->scene, b->ray.d);
         if (vertex_is_smooth(&v))
-            sum = rgb_add(sum, rgb_add(lit(it, &b, &v, t), indirect(it, &b, &v, t)));
-        if (!beam_turns_by_delta(&b, &v, t))
+            sum = rgb_add(sum, rgb_add(lit(it, b, &v, t), indirect(it, b, &v, t)));
+        if (beam_forks(forks, b, &v, t) || !beam_turns_by_delta(b, &v, t))
             return sum;
     }
+}
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    Beam b = beam_from_eye(r, t->scene);
+    Forks forks = { .n = 0 };
+    Rgb sum = rgb_all(0.0f);
+
+    do
+        sum = rgb_add(sum, found((const PhotonMap *)base, &b, &forks, t));
+    while (forks_next(&forks, &b));
+    return sum;
 }
 
 /* ---- phases: what direct light prepares, then the maps ---- */

@@ -87,8 +87,9 @@ static Rgb lit(const RecordCache *it, const Beam *b, const Vertex *v, Tracer *t)
 }
 
 /* What leaves the vertex along the beam, but for its own light. Lamps that deltas lead to are
- * shown, unless they are caustics of which photons tell. */
-static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, bool records, Tracer *t)
+ * shown, unless they are caustics of which photons tell. forks: of the eye's paths, which use
+ * records; else NULL. */
+static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, Forks *forks, Tracer *t)
 {
     const Scene *scene = it->base.scene;
     Rgb sum = rgb_all(0.0f), L;
@@ -102,9 +103,11 @@ static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, bool records, Trace
             told = by_photons(it, b, v, delta, &L);
             sum = rgb_add(sum, rgb_mul(b->throughput, told ? L : lit(it, b, v, t)));
         }
+        else if (forks && beam_forks(forks, b, v, t))
+            break;
         if (!vertex_sample(v, t, b->depth, &s) || (told && s.pdf_w > 0.0f))
             break;
-        if (records && ask(it, b, v, &s, t, &L)) {
+        if (forks && ask(it, b, v, &s, t, &L)) {
             L = rgb_mul(rgb_mul(b->throughput, s.weight), L);
             tracer_tally(t, b->depth + 3, STRATEGY_EXPLICIT, L);
             return rgb_add(sum, L);
@@ -122,18 +125,28 @@ static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, bool records, Trace
     return sum;
 }
 
-Rgb recordcache_radiance(const Integrator *base, const Ray *r, Tracer *t)
+static Rgb found(const RecordCache *it, Beam *b, Forks *forks, Tracer *t)
 {
-    const RecordCache *it = (const RecordCache *)base;
-    Beam b = beam_from_eye(r, base->scene);
     Rgb sum = rgb_all(0.0f);
     Vertex v;
 
-    if (!beam_meets(&b, &v.s, t))
-        return beam_shows_beyond(&b, t);
+    if (!beam_meets(b, &v.s, t))
+        return beam_shows_beyond(b, t);
     if (v.s.shape->light != NO_LIGHT)
-        sum = beam_shows(&b, scene_light_of(base->scene, &v.s), &v.s, t);
-    return rgb_add(sum, leaves(it, &b, &v, true, t));
+        sum = beam_shows(b, scene_light_of(it->base.scene, &v.s), &v.s, t);
+    return rgb_add(sum, leaves(it, b, &v, forks, t));
+}
+
+Rgb recordcache_radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    Beam b = beam_from_eye(r, base->scene);
+    Forks forks = { .n = 0 };
+    Rgb sum = rgb_all(0.0f);
+
+    do
+        sum = rgb_add(sum, found((const RecordCache *)base, &b, &forks, t));
+    while (forks_next(&forks, &b));
+    return sum;
 }
 
 /* ---- making a record ---- */
@@ -153,7 +166,7 @@ static Rgb arrives(const RecordCache *it, const Vertex *from, uint32_t medium, V
     if (!beam_meets(&b, &v.s, t))
         return rgb_all(0.0f);
     *inv_distance = 1.0f / f_max(v_len(v_sub(v.s.p, from->s.p)), 1e-30f);
-    return leaves(it, &b, &v, false, t);
+    return leaves(it, &b, &v, NULL, t);
 }
 
 /* The tracer's numbers while a record is made. */
