@@ -18,6 +18,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
+    { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
 };
 
 static void machine(void)

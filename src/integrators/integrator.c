@@ -20,7 +20,8 @@
     X(bdpt)                     /* paths from both ends, connected */          \
     X(bpm)                      /* the same, merged */                         \
     X(vcm)                      /* both */                                     \
-    X(pssmlt)                   /* chains of the numbers paths are made of */
+    X(pssmlt)                   /* chains of the numbers paths are made of */  \
+    X(radiancecache)            /* the same for glossy surfaces */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
