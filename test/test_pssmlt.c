@@ -296,7 +296,7 @@ static void windows(void)
 static void parts_of(Lab *l, const char *method)
 {
     enum { AOVS = 9 };
-    static const char *const aovs[AOVS] = {
+    static const char *const asked[AOVS] = {
         "strategy:implicit=a.pfm", "strategy:explicit=b.pfm", "strategy:lens=c.pfm",
         "strategy:connect=i.pfm", "length:1=d.pfm", "length:2=e.pfm", "length:3=f.pfm",
         "length:4=g.pfm", "length:5=h.pfm"
@@ -308,7 +308,7 @@ static void parts_of(Lab *l, const char *method)
 
     picture_settings(l, &s, method, 24, 20, 3);
     for (int k = 0; k < AOVS; k++)
-        REQUIRE(aov_parse(&s.aovs[k], aovs[k]), "%s", aovs[k]);
+        REQUIRE(aov_parse(&s.aovs[k], asked[k]), "%s", asked[k]);
     s.naovs = AOVS;
     picture_render(l, &s, &one, &report);
     s.threads = 3;
@@ -347,16 +347,16 @@ static void parts(void)
 /* Each part is what it is of `path`. */
 static void parts_alone(void)
 {
-    static const char *const aovs[] = { "length:2=a.pfm", "length:3=a.pfm",
+    static const char *const asked[] = { "length:2=a.pfm", "length:3=a.pfm",
                                         "strategy:explicit=a.pfm" };
     Lab l;
 
     any_scene(&l);
     for (int k = 0; k < 3; k++) {
-        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, aovs[k], 100,
+        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, asked[k], 100,
                              300);
-        Stat b = window_mean(&l, PATH, aovs[k], 100, 400);
-        stat_expect_same(&a, &b, 0.4, aovs[k]);
+        Stat b = window_mean(&l, PATH, asked[k], 100, 400);
+        stat_expect_same(&a, &b, 0.4, asked[k]);
     }
     lab_clear(&l);
 }

@@ -36,12 +36,14 @@ typedef enum {
 } Strategy;
 extern const char *const strategy_names[STRATEGIES];
 enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
+enum { TALLY_RADII = 8 };
 typedef struct {
     Rgb length[TALLY_LENGTHS];
     Rgb strategy[STRATEGIES];
     /* of methods that join two paths, by the number of vertices that came from the lamp and from
      * the eye: as it counts, and without its weight */
     struct { Rgb weighed, bare; } technique[TALLY_LENGTHS][TALLY_LENGTHS];
+    Rgb radius[TALLY_RADII];            /* of methods that merge by several radii at once */
 } Tally;
 
 /* Where splats go. */
@@ -49,6 +51,8 @@ typedef struct {
     Film *film;
     const Filter *filter;
     uint32_t layers[TALLY_LENGTHS][STRATEGIES]; /* of the film, a bit each, for such paths */
+    uint32_t bare[TALLY_LENGTHS];       /* for what is shown to the lens, without its weight */
+    uint32_t radius[TALLY_RADII];       /* for the same as it counts with that radius */
 } Canvas;
 
 INLINE float canvas_pixels(const Canvas *k)             /* of the whole picture */
@@ -152,15 +156,14 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
         tracer_holds(t, t->held->place, edges, how, rgb_scale(c, t->held->area));
 }
 
-/* A path of so many vertices from the lamp and from the eye, longer ones not, brings c, which has
- * been weighed by `weight`. */
+/* A path of so many vertices from the lamp and from the eye brings c, times the weight. */
 INLINE void tracer_technique(Tracer *t, int lamp, int eye, float weight, Rgb c)
 {
-    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS || !(weight > 0.0f))
+    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS)
         return;
-    t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed, c);
-    t->tally->technique[lamp][eye].bare = rgb_add(t->tally->technique[lamp][eye].bare,
-                                                  rgb_scale(c, 1.0f / weight));
+    t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed,
+                                                     rgb_scale(c, weight));
+    t->tally->technique[lamp][eye].bare = rgb_add(t->tally->technique[lamp][eye].bare, c);
 }
 
 /* A path of `edges` edges, found by `how`, brings c to the place, in pixels: the measurement that
@@ -176,6 +179,14 @@ INLINE void tracer_splat(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
     else
         film_splat(k->film, k->filter, place, canvas_layers(k, edges, how),
                    rgb_scale(c, canvas_pixels(k)));
+}
+/* The same into layers of the film alone that are no part of the picture. */
+INLINE void tracer_splat_beside(Tracer *t, V2 place, uint32_t layers, Rgb c)
+{
+    const Canvas *k = t->canvas;
+
+    if (layers && !t->held)
+        film_splat(k->film, k->filter, place, layers, rgb_scale(c, canvas_pixels(k)));
 }
 
 /* What the mean of a method's pictures is, as samples and as passes go to infinity. */
