@@ -395,8 +395,8 @@ static void parts_alone(void)
 
     any_scene(&l);
     for (int k = 0; k < 3; k++) {
-        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, asked[k], 100,
-                             300);
+        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, asked[k],
+                             100, 300);
         Stat b = window_mean(&l, PATH, asked[k], 100, 400);
         stat_expect_same(&a, &b, 0.4, asked[k]);
     }
