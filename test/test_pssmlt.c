@@ -463,6 +463,19 @@ static void refused(void)
     lab_clear(&l);
 }
 
+/* What does not tell its light apart by length has all of it in the chains. */
+static void biased(void)
+{
+    Stat a, b;
+    Lab l;
+
+    any_scene(&l);
+    a = window_mean(&l, "pssmlt:over=ao," FEW, NULL, 100, 500);
+    b = window_mean(&l, "ao", NULL, 100, 600);
+    stat_expect_same(&a, &b, 0.1, "ao");
+    lab_clear(&l);
+}
+
 /* No light at all is black, and told once; what is rarely found is found, though no sample to start
  * with had any of it. */
 static void dark(void)
@@ -509,6 +522,7 @@ const TestCase test_pssmlt[] = {
     { "parts", parts, false },
     { "parts_alone", parts_alone, false },
     { "tallies", tallies, false },
+    { "biased", biased, false },
     { "refused", refused, false },
     { "dark", dark, false },
     { NULL, NULL, false }

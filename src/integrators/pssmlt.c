@@ -274,27 +274,36 @@ static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opt
     return other;
 }
 
-static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
+/* Whether its samples can be changed, as these options ask. False: reported. */
+static bool check_over(const IntegratorKind *k, const Opts *o)
 {
-    const char *name = opt_string(o, "over");
-    int maxdepth = (int)opt_int(o, "maxdepth");
-    const IntegratorKind *k = kind_find_at((Place){ NULL, 0, 0 }, integrators, "integrator", name);
-
     if (!k)
         return false;
     if (!k->radiance || k->phases)
-        return err_usage("pssmlt: over=%s is made of more than single samples", name);
+        return err_usage("pssmlt: over=%s is made of more than single samples", k->info.name);
+    return k->singles || opt_is(o, "techniques", "all") ||
+           err_usage("pssmlt: %s has no techniques to choose one of", k->info.name);
+}
+
+/* Only what finds all that `path` does, can leave some of it to that. */
+static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
+{
+    int maxdepth = (int)opt_int(o, "maxdepth");
+    const IntegratorKind *k = kind_find_at((Place){ NULL, 0, 0 }, integrators, "integrator",
+                                           opt_string(o, "over"));
+    bool apart = opt_bool(o, "direct") && k && k->truth == UNBIASED;
+
+    if (!check_over(k, o))
+        return false;
     if (!opt_is(o, "techniques", "all")) {
-        if (!k->singles)
-            return err_usage("pssmlt: %s has no techniques to choose one of", name);
-        it->shortest = opt_bool(o, "direct") ? DIRECT_EDGES + 1 : 1;
+        it->shortest = apart ? DIRECT_EDGES + 1 : 1;
         it->longest = maxdepth + 1 > it->shortest ? maxdepth + 1 : it->shortest;
     }
     it->over = open_other(k, s, o, maxdepth);
-    if (it->over && opt_bool(o, "direct"))
+    if (it->over && apart)
         it->direct = open_other(kind_find(integrators, "path"), s, o,
                                 maxdepth < DIRECT_EDGES - 1 ? maxdepth : DIRECT_EDGES - 1);
-    return it->over && (it->direct || !opt_bool(o, "direct"));
+    return it->over && (it->direct || !apart);
 }
 
 static bool check_steps(const Opts *o)
@@ -327,7 +336,8 @@ static const OptDef options[] = {
     { .key = "techniques", .type = OPT_CHOICE, .str = "all", .choices = "all one",
       .help = "over=bdpt: ways of making paths that a sample tries" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
-      .help = "light scattered once at most is left to path, a sample for each pixel and pass" },
+      .help = "over unbiased methods: light scattered once at most is left to path, a sample for "
+              "each pixel and pass" },
     { .key = "large", .type = OPT_FLOAT, .num = 0.5, .lo = 0.001, .hi = 1,
       .help = "share of steps to new samples" },
     { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,
