@@ -29,6 +29,7 @@ void bench_twostage_cost(void); /* what partitions cost beside the rays that the
 void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_copyimage(void);     /* figures 7.22 and 7.23: a picture copied by Metropolis sampling */
+void bench_pssmlt(void);        /* chains of samples against samples alone */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
 void bench_samplers(void);      /* which sampler wins, scene by scene */

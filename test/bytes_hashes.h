@@ -14,7 +14,7 @@
     { "integrator/bdpt", 0xCC24A34CAF7E86CA },
     { "integrator/bpm", 0x34D6A87577ADCB69 },
     { "integrator/vcm", 0x39E6EEF4975A393F },
-    { "integrator/pssmlt", 0x0552EBE89A24C257 },
+    { "integrator/pssmlt", 0x570045191DEB04C5 },
     { "integrator/radiancecache", 0x401630B330CA4425 },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },
