@@ -25,6 +25,7 @@ void bench_twostage(void);      /* chapter 5: figure 5.8, table 5.1 */
 void bench_twostage_cost(void); /* what partitions cost beside the rays that they serve */
 void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
+void bench_denoise(void);       /* noise filters: error at 16 samples, pictures side by side */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
 void bench_samplers(void);      /* which sampler wins, scene by scene */
@@ -46,6 +47,8 @@ bool bench_render(const char *scene, const char *integrator, const char *sampler
  * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */
 double paired_relmse(const Image *a, const Image *r, const Image *q);
 
+/* Puts a picture, made smaller, into the middle of a place of w x h pixels of another. */
+void sheet_paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w, uint32_t h);
 /* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
 int sheet(int argc, char **argv);
 

@@ -13,7 +13,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
     { "error", bench_error }, { "memory", bench_memory }, { "speed", bench_speed },
     { "arity", bench_arity }, { "adaptive", bench_adaptive }, { "zoneplate", bench_zoneplate },
-    { "jitter", bench_jitter },
+    { "denoise", bench_denoise }, { "jitter", bench_jitter },
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },

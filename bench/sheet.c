@@ -24,8 +24,7 @@ static Rgb mean_at(const Image *im, uint32_t x, uint32_t y, uint32_t w, uint32_t
     return rgb_scale(sum, 1.0f / ((float)(x1 - x0) * (float)(y1 - y0)));
 }
 
-static void paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w,
-                  uint32_t h)
+void sheet_paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w, uint32_t h)
 {
     double s = d_min(1, d_min((double)w / im->w, (double)h / im->h));
     uint32_t tw = (uint32_t)d_max(1, s * im->w + 0.5), th = (uint32_t)d_max(1, s * im->h + 0.5);
@@ -55,7 +54,8 @@ int sheet(int argc, char **argv)
     for (uint32_t k = 0; ok && k < n; k++) {
         ok = image_read(&im, argv[4 + k], IMAGE_PIXELS_DEFAULT);
         if (ok)
-            paste(&all, &im, RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
+            sheet_paste(&all, &im, RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w,
+                        h);
         image_clear(&im);
     }
     ok = ok && image_write(&all, argv[3], &display);

@@ -288,6 +288,13 @@ static const Scenario OTHERS[] = {
     { "convert sky.pfm sky2.ppm --tonemap reinhard", { "sky2.ppm" }, 4 },
     { "tiny.pbrt --quiet --threads 1 --size 4x4 --spp 1 -o e.exr --aov variance:direct=e.exr",
       { "e.exr" }, 20 },
+    { "tiny.pbrt --quiet --threads 1 --size 4x4 --spp 1 -o g.pfm --denoise guided --fireflies 2",
+      { "g.pfm" }, 20 },
+    { "tiny.pbrt --quiet --threads 1 --size 4x4 --spp 1 -o h.pfm --denoise direct=nlmeans "
+      "--denoise indirect=bilateral --fireflies 2", { "h.pfm" }, 20 },
+    { "convert sky.pfm a.png --tonemap local --auto-exposure average --denoise nlmeans",
+      { "a.png" }, 4 },
+    { "convert sky.pfm a.pfm --denoise gaussian --guide albedo=sky.pfm", { "a.pfm" }, 4 },
     { "convert sky.pfm f.exr", { "f.exr" }, 4 },
     { "compare sky.pfm sky.pfm --diff d.pfm", { "d.pfm" }, 4 },
     { "cast roof.ply --quiet --size 2x2 --runs 0 --threads 1 --rays-out r",
