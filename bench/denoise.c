@@ -4,6 +4,7 @@
  * The error is sigma/mu without the noise of the reference: of two independent ones r and q the
  * mean of (a - r)(a - q) has the expectation of (a - truth)^2. It holds the bias of the filter. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include "cli/args.h"
 #include "cli/denoising.h"
@@ -14,7 +15,8 @@
 
 enum { SIDE = 128, SPP = 16, REFERENCE_SPP = 256, METHODS = 5 };
 
-static const char *const scenes[] = { "s3", "colonnade", "bathroom", "nine-lights" };
+static const char *const scenes[] = { "s3", "colonnade", "bathroom", "living-room", "fruits",
+                                      "nine-lights" };
 static const char *const methods[METHODS] = { "nothing", "gaussian", "bilateral", "guided",
                                               "nlmeans" };
 enum { SCENES = sizeof scenes / sizeof *scenes };
@@ -135,8 +137,8 @@ void bench_denoise(void)
     printf("   CPU s\n");
     for (int s = 0; ok && s < SCENES; s++)
         ok = bench_scene(s, &sheet);
-    if (ok)
-        image_write(&sheet, "denoise.png", &display);
+    if (ok && image_write(&sheet, "denoise.png", &display))
+        report_picture("denoise.png");
     image_clear(&sheet);
     unlink(file);
 }
