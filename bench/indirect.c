@@ -1,5 +1,6 @@
-/* indirect.c -- caches and photon maps after equal time: error against two references by path, whose
- * own noise cancels (see paired_relmse); and the three spheres by every method, on one sheet. */
+/* indirect.c -- caches and photon maps after equal time: error against two references by path,
+ * whose own noise cancels (see paired_relmse); and the three spheres by every method, on one
+ * sheet. */
 #include "bench/bench.h"
 
 #include <stdio.h>
