@@ -28,7 +28,7 @@
     X(physics_exact) X(physics_weights) X(lights) X(panorama) X(probes) X(emission) \
     X(lightsampling) X(direct) X(direct_weights) X(beside) X(partition) X(twostage) \
     X(twostage_lamp) X(twostage_sky) X(visibility) X(triple) X(truth) X(cut) X(cut_light) \
-    X(cameras) X(driver) X(adaptive) X(film) X(filters) \
+    X(cameras) X(driver) X(state) X(adaptive) X(film) X(filters) \
     X(motion) X(cameras_we) X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \

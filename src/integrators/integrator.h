@@ -186,6 +186,16 @@ typedef struct {
     uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+
+    /* What lasts from pass to pass beside the film, into a file and back, so that a render can go
+     * on another day. NULL: nothing does. It is asked for when no unit runs, between passes or amid
+     * the last stage of one: that is the camera samples or, without `radiance`, the last phase, and
+     * nothing else may change the film or what lasts. Of a state that was left amid it, phases
+     * before the camera samples are run again, for the same pass and after `load`; those before a
+     * last phase are not, and `units` is asked again for this one. False: it does not fit; nobody
+     * has reported it. */
+    void (*save)(const Integrator *it, Saving *s);
+    bool (*load)(Integrator *it, Loading *l);
 } IntegratorKind;
 
 /* Whether pixels may have different counts of samples, and whether these say how noisy the picture

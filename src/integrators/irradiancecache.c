@@ -47,7 +47,8 @@ typedef struct {
     uint64_t *places;           /* owned: those pixels by number, */
     IrradianceRecord *made;     /* and their records, n of them */
     size_t n, cap_places, cap_made;
-    Tile *tiles;                /* owned: of each tile, without overture */
+    Tile *tiles;                /* owned: of each tile, without overture; ntiles of them */
+    size_t ntiles;
     uint32_t tiles_across;
 } IrradianceCache;
 
@@ -351,6 +352,44 @@ static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t un
         look(it, phase / 2, (uint32_t)unit, t);
 }
 
+/* ---- what lasts: the records of tiles; those of the overture are made again ---- */
+
+enum { RECORD_FLOATS = sizeof(IrradianceRecord) / sizeof(float) };
+
+static void save(const Integrator *base, Saving *s)
+{
+    const IrradianceCache *it = (const IrradianceCache *)base;
+
+    for (size_t k = 0; k < it->ntiles; k++) {
+        save_u32(s, (uint32_t)it->tiles[k].n);
+        for (int i = 0; i < it->tiles[k].n; i++) {
+            float v[RECORD_FLOATS];
+            memcpy(v, &it->tiles[k].records[i], sizeof v);
+            for (int j = 0; j < RECORD_FLOATS; j++)
+                save_float(s, v[j]);
+        }
+    }
+}
+
+static bool load(Integrator *base, Loading *l)
+{
+    IrradianceCache *it = (IrradianceCache *)base;
+
+    for (size_t k = 0; k < it->ntiles; k++) {
+        uint32_t n = load_u32(l);
+        if (n > TILE_RECORDS)
+            return false;
+        it->tiles[k].n = (int)n;
+        for (uint32_t i = 0; i < n; i++) {
+            float v[RECORD_FLOATS];
+            for (int j = 0; j < RECORD_FLOATS; j++)
+                v[j] = load_float(l);
+            memcpy(&it->tiles[k].records[i], v, sizeof v);
+        }
+    }
+    return !l->beyond;
+}
+
 /* ---- opening ---- */
 
 static bool prepare(Integrator *base, const Film *f, uint64_t seed)
@@ -366,6 +405,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
     if (!it->overture) {
         it->tiles_across = (f->w + FILM_TILE - 1) / FILM_TILE;
         it->tiles = MEM_ARRAY(Tile, film_ntiles(f));
+        it->ntiles = film_ntiles(f);
         return it->tiles != NULL;
     }
     it->wanted = MEM_ARRAY(bool, (size_t)f->w * f->h);
@@ -441,5 +481,5 @@ const IntegratorKind integrator_irradiancecache = {
               "indirect light of matt surfaces, interpolated between few places", options },
     .truth = BIASED, .misses = "detail of indirect light between its records",
     .open = open_cache, .close = close_cache, .prepare = prepare, .radiance = radiance,
-    .phases = PHASES, .units = units, .run = run
+    .phases = PHASES, .units = units, .run = run, .save = save, .load = load
 };

@@ -36,6 +36,7 @@ bool aov_parse(Aov *a, const char *text)
     if (!text[all] || !text[all + 1])
         return err_usage("--aov takes NAME=FILE, with NAME one of normal depth albedo length:N "
                          "strategy:NAME samples");
+    a->text = text;
     a->file = text + all + 1;
     if (!image_format_for_writing(a->file))
         return false;

@@ -16,7 +16,7 @@ typedef enum { AOV_NORMAL, AOV_DEPTH, AOV_ALBEDO, AOV_LENGTH, AOV_STRATEGY, AOV_
 typedef struct {
     AovKind kind;
     int     which;              /* LENGTH: edges; STRATEGY: which */
-    const char *file;           /* borrowed */
+    const char *text, *file;    /* borrowed: NAME=FILE, and FILE of it */
 } Aov;
 
 /* From "normal=FILE", "depth=FILE", "albedo=FILE", "length:N=FILE", "strategy:NAME=FILE",
@@ -58,6 +58,17 @@ typedef struct {
     int nspp, nseconds;
 } RenderWatch;
 
+/* Somebody who keeps what there is, so that nothing is lost and the render can go on another day:
+ * called every so often seconds, between units, and once at the end, however that came; there is
+ * nobody to call before the first sample. Seconds are counted as by RenderWatch. */
+typedef struct Job Job;
+typedef struct {
+    void *ctx;
+    double every;               /* 0: at the end alone */
+    void (*keep)(void *ctx, const Job *state, const Film *film, const RenderReport *so_far,
+                 bool last);
+} RenderKeeper;
+
 typedef struct {
     const IntegratorKind *integrator;   Opts integrator_opts;
     const SamplerKind    *sampler;      Opts sampler_opts;
@@ -75,6 +86,11 @@ typedef struct {
     int      naovs;
     const volatile sig_atomic_t *stop;  /* nonzero: end soon; NULL: nobody asks */
     const RenderWatch *watch;           /* NULL: nobody looks */
+    const RenderKeeper *keeper;         /* NULL: nobody keeps anything */
+    uint64_t scene_digest;              /* of its files, for states */
+    const char *resume;                 /* state to go on from, or NULL; borrowed */
+    uint64_t max_file;                  /* bytes of that */
+    uint32_t shard, shards;             /* share number `shard` of so many; 0: the whole */
 } RenderSettings;
 
 /* What the command line asked for, as text; NULL or 0 where it said nothing. */
@@ -88,6 +104,8 @@ typedef struct {
     double   seconds, error;
     int      threads;
     uint64_t seed, max_pixels;
+    const char *resume;
+    uint32_t shard, shards;             /* from 0 on, of so many; 0: the whole */
 } RenderRequest;
 
 /* Command line before scene file before defaults. Fills the camera's film size. False: reported. */
@@ -102,5 +120,11 @@ const char *settings_filename(const SceneFile *f);
 /* Renders into *film, which it makes (layer 0: the picture; 1 + k: aov k). The scene must be
  * built. False: reported, *film empty. */
 bool render(const Scene *scene, const RenderSettings *s, Film *film, RenderReport *report);
+
+/* ---- states and shares in files: see state.c ---- */
+
+/* Writes what a render has by now: the film, and what it needs to go on as if never stopped.
+ * False: reported, an old file is as it was. */
+bool state_write(const Job *j, const char *path);
 
 #endif
