@@ -189,11 +189,11 @@ typedef struct {
 
     /* What lasts from pass to pass beside the film, into a file and back, so that a render can go
      * on another day. NULL: nothing does. It is asked for when no unit runs, between passes or amid
-     * the last stage of one: that is the camera samples or, without `radiance`, the last phase, and
-     * nothing else may change the film or what lasts. Of a state that was left amid it, phases
-     * before the camera samples are run again, for the same pass and after `load`; those before a
-     * last phase are not, and `units` is asked again for this one. False: it does not fit; nobody
-     * has reported it. */
+     * one, and only the last stage of a pass may change it: that is the camera samples or, without
+     * `radiance`, the last phase. What phases make for the camera samples of their pass is not
+     * kept: they are run again after `load`, for the same pass, and what they splat then goes
+     * nowhere. Phases before a last phase are not run again, and do not splat; for the last one
+     * `units` is asked again. False: it does not fit; nobody has reported it. */
     void (*save)(const Integrator *it, Saving *s);
     bool (*load)(Integrator *it, Loading *l);
 } IntegratorKind;

@@ -35,10 +35,11 @@ struct Job {
     uint32_t    *done;                  /* owned: how many pixels of each unit of the phase are
                                          * done, or UNIT_DONE */
     size_t       cap_done;
-    bool         midway;                /* the pass's last stage, the only one that changes what
-                                         * lasts, has begun and is not known to be whole */
-    uint32_t    *left_at;               /* owned: of a state that was left midway, `done` of that */
-    uint64_t     nleft;                 /* stage; NULL: it was not, or the stage has begun again */
+    bool         midway;                /* a phase that changes what lasts, the film or what the
+                                         * method keeps, has begun, and its pass is not whole */
+    uint32_t    *left_at;               /* owned: of a state that was left midway, `done` of */
+    uint64_t     nleft;                 /* phase left_phase; NULL: there is none, or all is */
+    int          left_phase;            /* again as it was then */
     int          looked_spp, looked_seconds;    /* entries of the watch that are behind */
     bool         paused;                /* somebody wants to look */
     double       keep_at, pause_at;     /* clock: of the next autosave; of the next pause */
@@ -53,8 +54,13 @@ struct Job {
 
 /* What an integrator has in every pass, as against once before all camera samples. */
 INLINE bool phases_are_anew(const IntegratorKind *k) { return k->anew || !k->radiance; }
-/* The stage of a pass that adds to the film. */
+/* What a pass ends with. */
 INLINE int last_stage(const IntegratorKind *k) { return k->radiance ? SAMPLES : k->phases - 1; }
+/* Whether the film may change in that phase; see `save` in integrator.h. */
+INLINE bool phase_lasts(const IntegratorKind *k, int phase)
+{
+    return phase == last_stage(k) || (k->anew && k->radiance);
+}
 
 /* ---- state.c ---- */
 

@@ -86,6 +86,22 @@ static uint32_t pass_number(const Job *j)
     return phases_are_anew(j->integrator->kind) ? j->base + j->pass : 0;
 }
 
+/* A unit that was run before the state was left, and is again for what it makes beside splats,
+ * gives no splats. */
+static void run_integrator(Job *j, uint64_t unit, Tracer *t)
+{
+    bool again = j->left_at && (j->phase != j->left_phase || j->left_at[unit] == UNIT_DONE);
+    const Canvas *canvas = t->canvas;
+    uint64_t shots = t->shots;
+
+    if (again)
+        t->canvas = NULL;
+    j->integrator->kind->run(j->integrator, j->film, pass_number(j), j->phase, unit, t);
+    t->canvas = canvas;
+    if (again)
+        t->shots = shots;
+}
+
 static void run_unit(void *ctx, uint64_t unit, int worker)
 {
     Job *j = ctx;
@@ -102,7 +118,7 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
     } else if (j->phase == SAMPLES)
         camera_tile(j, t, (uint32_t)unit, done);
     else {
-        j->integrator->kind->run(j->integrator, j->film, pass_number(j), j->phase, unit, t);
+        run_integrator(j, unit, t);
         *done = UNIT_DONE;
     }
 }
@@ -242,6 +258,12 @@ static uint64_t units_of(const Job *j)
     return j->adapts ? adaptive_units(&j->adaptive) : film_ntiles(j->film);
 }
 
+static void forget_left(Job *j)
+{
+    mem_free(j->left_at);
+    j->left_at = NULL;
+}
+
 /* What is done of the phase's units: nothing, or what was when the state was left. False:
  * reported. */
 static bool begin_phase(Job *j, int phase)
@@ -253,14 +275,15 @@ static bool begin_phase(Job *j, int phase)
         !mem_grow(&j->done, &j->cap_done, (size_t)j->phase_units + 1, sizeof *j->done))
         return false;
     memset(j->done, 0, (size_t)j->phase_units * sizeof *j->done);
-    j->midway = phase == last_stage(j->integrator->kind);
-    if (!j->midway || !j->left_at)
+    j->midway = phase_lasts(j->integrator->kind, phase);
+    if (!j->left_at || phase != j->left_phase)
         return true;
     if (j->nleft != j->phase_units)
         return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
-    memcpy(j->done, j->left_at, (size_t)j->nleft * sizeof *j->done);
-    mem_free(j->left_at);
-    j->left_at = NULL;
+    if (phase == last_stage(j->integrator->kind)) {
+        memcpy(j->done, j->left_at, (size_t)j->nleft * sizeof *j->done);
+        forget_left(j);
+    }
     return true;
 }
 
@@ -284,6 +307,8 @@ static void run_phase(Job *j, int phase)
             work_run(&w, j->settings.threads);
     } while (j->paused && !j->ended);
     j->ended = j->ended || j->integrator->failed;
+    if (!j->ended && phase == j->left_phase)
+        forget_left(j);
 }
 
 /* A state that was left midway needs no phases before its own, if passes are of phases alone: all

@@ -10,8 +10,8 @@
  *             samples are this share's. The scene is known by a digest of all its files.
  * When        Units are whole or, if they are tiles, left between two pixels (Job.done), so the
  *             samples of the render that goes on are those that would have come, and as sums are
- *             exact, its bytes are the same. What the first phases of a pass make is not kept but
- *             made again (see integrator.h). */
+ *             exact, its bytes are the same. What phases make for the camera samples of a pass is
+ *             not kept but made again (see `save` in integrator.h). */
 #include "render/state.h"
 
 #include "base/clock.h"
@@ -140,7 +140,6 @@ static void save_head(const Job *j, Saving *s)
 /* Where the render is: the pass, and what is done of it. */
 static void save_place(const Job *j, Saving *s)
 {
-    const uint32_t *done = j->left_at ? j->left_at : j->done;
     uint64_t n = j->left_at ? j->nleft : j->midway ? j->phase_units : 0;
 
     save_double(s, clock_wall() - j->start);
@@ -149,9 +148,12 @@ static void save_place(const Job *j, Saving *s)
     save_u32(s, j->pass);
     save_u32(s, j->first);
     save_u32(s, j->count);
+    save_u32(s, (uint32_t)((j->left_at ? j->left_phase : j->phase) + 1));
     save_u64(s, n);
-    for (uint64_t i = 0; i < n; i++)
-        save_u32(s, done[i]);
+    for (uint64_t i = 0; i < n; i++) {
+        bool again = j->left_at && (j->phase != j->left_phase || j->done[i] != UNIT_DONE);
+        save_u32(s, again ? j->left_at[i] : j->done[i]);
+    }
 }
 
 bool state_write(const Job *j, const char *path)
@@ -239,14 +241,18 @@ static bool is_of_this_render(const Job *j, const StateHead *h)
 
 static bool load_place(Job *j, Loading *l)
 {
+    uint32_t phase;
+
     j->start = -load_double(l);
     j->cpu = -load_double(l);
     j->rays = load_u64(l);
     j->pass = load_u32(l);
     j->first = load_u32(l);
     j->count = load_u32(l);
+    phase = load_u32(l);
+    j->left_phase = (int)(phase & 0xFFFF) - 1;
     j->nleft = load_u64(l);
-    if (l->beyond || j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) ||
+    if (l->beyond || (int64_t)phase > j->integrator->kind->phases || j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) ||
         !(j->cpu <= 0) || j->count > UINT32_MAX - j->first)
         return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
     if (!j->nleft)
