@@ -5,6 +5,7 @@
  * however many threads it goes on: in the end the film has the bits of one that never stopped. */
 #include "base/mem.h"
 #include "base/random.h"
+#include "render/merge.h"
 #include "test/pictures.h"
 
 #include <stdio.h>
@@ -337,7 +338,115 @@ static void broken(void)
     lab_clear(&l);
 }
 
+/* ---- shares ---- */
+
+static void keep_last(void *ctx, const Job *job, const Film *f, const RenderReport *r, bool last)
+{
+    (void)f, (void)r;
+    REQUIRE(last && state_write(job, ctx), "the share is not written");
+}
+
+/* Share i of n, from 0 on, in a file of its own. */
+static const char *share(Lab *l, const RenderSettings *settings, uint32_t i, uint32_t n)
+{
+    static char path[8][300];
+    RenderKeeper keeper = { path[i], 0, keep_last };
+    RenderSettings s = *settings;
+    RenderReport report;
+    Film film;
+
+    snprintf(path[i], sizeof path[i], "%s/%lu.part", test_folder(), (unsigned long)i);
+    s.keeper = &keeper;
+    s.shard = i;
+    s.shards = n;
+    picture_render(l, &s, &film, &report);
+    film_clear(&film);
+    return path[i];
+}
+
+static const ReadLimits limits = READ_LIMITS_DEFAULT;
+
+/* In an order that the number of shares makes. */
+static void add_shares(Lab *l, const RenderSettings *s, uint32_t n, Merge *m)
+{
+    const char *path[8];
+
+    for (uint32_t i = 0; i < n; i++)
+        path[i] = share(l, s, i, n);
+    for (uint32_t i = 0; i < n; i++)
+        REQUIRE(merge_add(m, path[(3 * i + 1) % n], &limits), "share %lu", (unsigned long)i);
+    EXPECT(!merge_missing(m), "shares are missing");
+}
+
+/* Shares add up to the render that was shared, bit by bit; those of methods whose passes build on
+ * each other to as many samples, none of which two shares have in common. */
+static void shares(void)
+{
+    for (int k = 0; integrators[k]; k++) {
+        const IntegratorKind *kind = integrators[k];
+        bool own = kind->save && (kind->anew || !kind->radiance);
+        RenderSettings s;
+        RenderReport report;
+        Merge m = { 0 };
+        Film whole;
+        Lab l;
+        small_scene(&l);
+        picture_settings(&l, &s, quick(kind->info.name), W, H, 13);
+        picture_render(&l, &s, &whole, &report);
+        add_shares(&l, &s, k % 2 ? 8 : 5, &m);
+        if (!own)
+            EXPECT(films_equal(&whole, &m.film), "%s: the sum is another", kind->info.name);
+        else
+            EXPECT(!whole.splats ? !memcmp(whole.counts, m.film.counts,
+                                           W * H * sizeof *whole.counts)
+                                 : whole.splats->shots == m.film.splats->shots,
+                   "%s: another number of samples", kind->info.name);
+        EXPECT(m.samples == (double)report.samples, "%s: %g samples", kind->info.name, m.samples);
+        merge_clear(&m);
+        film_clear(&whole);
+        lab_clear(&l);
+    }
+}
+
+/* Where it is not known how many samples there will be, no two shares have one in common, whatever
+ * they come to; a share that is made twice, or of another number of shares, is refused, as is one
+ * of another render. */
+static void shares_apart(void)
+{
+    RenderSettings s, t;
+    Merge m = { 0 };
+    Lab l;
+    const char *part;
+
+    small_scene(&l);
+    picture_settings(&l, &s, "path", W, H, 0);
+    s.error = 1;
+    REQUIRE(merge_add(&m, share(&l, &s, 0, 3), &limits), "the first");
+    for (uint32_t i = 1; i < 3; i++) {
+        Film before = m.film;
+        Merge one = { 0 };
+        part = share(&l, &s, i, 3);
+        EXPECT(merge_missing(&m) == 3 - i, "%lu shares are missing",
+               (unsigned long)merge_missing(&m));
+        REQUIRE(merge_add(&one, part, &limits) && merge_add(&m, part, &limits), "share");
+        EXPECT(memcmp(one.film.sums, before.sums, W * H * 3 * sizeof *before.sums),
+               "two shares are one");
+        EXPECT(!merge_add(&m, part, &limits), "the same again");
+        merge_clear(&one);
+    }
+    EXPECT(!merge_add(&m, share(&l, &s, 2, 4), &limits), "another number of shares");
+    t = s; t.seed = 5;
+    EXPECT(merge_add(&m, share(&l, &t, 2, 4), &limits) && merge_missing(&m) == 3, "another seed");
+    picture_settings(&l, &t, "path:maxdepth=3", W, H, 0);
+    t.error = 1;
+    EXPECT(!merge_add(&m, share(&l, &t, 1, 4), &limits), "another method");
+    merge_clear(&m);
+    lab_clear(&l);
+}
+
 const TestCase test_state[] = {
+    { "shares", shares, false },
+    { "shares_apart", shares_apart, false },
     { "methods", methods, false },
     { "policies", policies, false },
     { "other_renders", other_renders, false },

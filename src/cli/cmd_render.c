@@ -4,6 +4,7 @@
 #include "base/work.h"
 #include "cli/args.h"
 #include "cli/interrupt.h"
+#include "cli/pictures.h"
 #include "cli/sceneargs.h"
 
 #include <stdio.h>
@@ -112,26 +113,6 @@ static bool set(void *ctx, int k, const char *value)
 
 /* ---- output ---- */
 
-static bool write_layer(const Film *f, int layer, const Aov *aov, const char *path,
-                        const Display *display)
-{
-    const ImageFormat *format = image_format_for_writing(path);
-    Image im;
-    bool ok;
-
-    if (!format || !image_init(&im, f->w, f->h))
-        return false;
-    if (aov)
-        aov_picture(aov, f, layer - 1, &im);
-    else
-        film_picture(f, layer, &im);
-    if (aov && !format->linear)
-        aov_display(aov, &im);
-    ok = format->write(&im, path, display);
-    image_clear(&im);
-    return ok;
-}
-
 /* Before the hours of rendering, not after them. */
 static bool outputs_possible(const Line *l, const RenderSettings *s)
 {
@@ -152,9 +133,9 @@ static bool write_all(const Film *f, const Line *l, const RenderSettings *s)
     if (s->shards)
         return true;
     for (int i = 0; i < l->noutputs; i++)
-        ok = write_layer(f, 0, NULL, l->outputs[i], &l->display) && ok;
+        ok = layer_write(f, 0, NULL, l->outputs[i], &l->display) && ok;
     for (int i = 0; i < s->naovs; i++)
-        ok = write_layer(f, 1 + i, &s->aovs[i], s->aovs[i].file, &l->display) && ok;
+        ok = layer_write(f, 1 + i, &s->aovs[i], s->aovs[i].file, &l->display) && ok;
     return ok;
 }
 

@@ -502,7 +502,7 @@ static void choose_samples(Job *j)
     uint32_t all = s->spp, run = 1;
     int bits = 32;
 
-    j->planned = all;
+    j->planned = has_own_numbers(j) && s->shards ? j->asked->spp : all;
     j->most = UINT32_MAX;
     if (!s->shards || has_own_numbers(j))
         return;

@@ -252,8 +252,8 @@ static bool load_place(Job *j, Loading *l)
     phase = load_u32(l);
     j->left_phase = (int)(phase & 0xFFFF) - 1;
     j->nleft = load_u64(l);
-    if (l->beyond || (int64_t)phase > j->integrator->kind->phases || j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) ||
-        !(j->cpu <= 0) || j->count > UINT32_MAX - j->first)
+    if (l->beyond || (int64_t)phase > j->integrator->kind->phases ||
+        j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) || !(j->cpu <= 0) || j->count > UINT32_MAX - j->first)
         return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
     if (!j->nleft)
         return true;
