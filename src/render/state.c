@@ -148,7 +148,7 @@ static void save_place(const Job *j, Saving *s)
     save_u32(s, j->pass);
     save_u32(s, j->first);
     save_u32(s, j->count);
-    save_u32(s, (uint32_t)((j->left_at ? j->left_phase : j->phase) + 1));
+    save_u32(s, n ? (uint32_t)((j->left_at ? j->left_phase : j->phase) + 1) : 0);
     save_u64(s, n);
     for (uint64_t i = 0; i < n; i++) {
         bool again = j->left_at && (j->phase != j->left_phase || j->done[i] != UNIT_DONE);
@@ -253,7 +253,8 @@ static bool load_place(Job *j, Loading *l)
     j->left_phase = (int)(phase & 0xFFFF) - 1;
     j->nleft = load_u64(l);
     if (l->beyond || (int64_t)phase > j->integrator->kind->phases ||
-        j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) || !(j->cpu <= 0) || j->count > UINT32_MAX - j->first)
+        j->nleft > load_left(l) / sizeof *j->left_at || !(j->start <= 0) || !(j->cpu <= 0) ||
+        j->count > UINT32_MAX - j->first)
         return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
     if (!j->nleft)
         return true;
