@@ -7,6 +7,7 @@
 #include "test/cli_help.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -21,7 +22,8 @@ static bool is_there(const char *name)
 
 static void nap(double seconds)
 {
-    const struct timespec t = { (time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds)) };
+    double whole = floor(seconds);
+    const struct timespec t = { (time_t)whole, (long)(1e9 * (seconds - whole)) };
     nanosleep(&t, NULL);
 }
 
