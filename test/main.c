@@ -22,7 +22,8 @@
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \
     X(scenefile_shapes) X(scenefile_lights) X(scenefile_hostile) \
-    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) X(cli_state) X(completion) X(race) \
+    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) \
+    X(cli_state) X(completion) X(race) \
     X(race_file) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
     X(physics_exact) X(physics_weights) X(lights) X(panorama) X(probes) X(emission) \
