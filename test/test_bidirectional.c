@@ -1,10 +1,10 @@
-/* test_bidirectional.c -- paths from both ends: weights against densities worked out one by one, and
- * pictures against path tracing.
+/* test_bidirectional.c -- paths from both ends: weights against densities worked out one by one,
+ * and pictures against path tracing.
  *
  * Weights     The recursion of odds.h tells of each way of making a path from the two ends alone.
- *             Here the same paths are traced again and written down whole, every technique's density
- *             is multiplied up vertex by vertex, in double, and the weight is what its own share of
- *             them is: so all weights of a path add up to 1 by construction.
+ *             Here the same paths are traced again and written down whole, every technique's
+ *             density is multiplied up vertex by vertex, in double, and the weight is what its own
+ *             share of them is: so all weights of a path add up to 1 by construction.
  * Pictures    Means of tiles over 16 runs, see pictures.h. */
 #include "geometry/generate.h"
 #include "integrators/bidirectional.h"
@@ -35,7 +35,10 @@ typedef struct {
     int  edges;
 } Whole;
 
-static bool beyond(const Light *l) { return l->kind->infinite || l->kind->delta == DELTA_DIRECTION; }
+static bool beyond(const Light *l)
+{
+    return l->kind->infinite || l->kind->delta == DELTA_DIRECTION;
+}
 
 static V3 way(const Whole *w, int from, int to)
 {
@@ -313,8 +316,8 @@ static void compare(Pair *q, int s, int t)
     q->seen[s][t]++;
     q->off += fabs(got - want) > 1e-3 * want + 1e-7;
     if (fabs(got - want) > 0.02 * want + 1e-6 && !q->wrong++)
-        snprintf(q->worst, sizeof q->worst, "%d vertices from the %s, %d from the eye: weight %.9g, "
-                 "it is %.9g", s, w.lamp->kind->info.name, t, got, want);
+        snprintf(q->worst, sizeof q->worst, "%d vertices from the %s, %d from the eye: weight "
+                 "%.9g, it is %.9g", s, w.lamp->kind->info.name, t, got, want);
 }
 
 static void one_pair(Pair *q, uint32_t index)
@@ -396,7 +399,8 @@ static void weights_of(const char *lamp, const char *options, float eta, bool fi
 
 static void weights_many(long pairs)
 {
-    static const char *const lamps[] = { "ball", "point", "spot", "distant", "infinite", "picture" };
+    static const char *const lamps[] = { "ball", "point", "spot", "distant", "infinite",
+                                         "picture" };
     static const char *const how[] = { "balance", "power", "uniform" };
     long seen[MOST][MOST];
 
@@ -411,7 +415,7 @@ static void weights_many(long pairs)
         }
     for (int s = 0; s <= 4; s++)
         for (int t = s > 1 ? 1 : 3 - s; t <= 4; t++)
-            EXPECT(seen[s][t] > 0, "no path of %d vertices from the lamp and %d from the eye", s, t);
+            EXPECT(seen[s][t] > 0, "no path of %d vertices from the lamp, %d from the eye", s, t);
 }
 
 static void weights(void) { weights_many(5000); }
@@ -500,7 +504,8 @@ static void tank_vcm(void) { tank_by("vcm:share=0.001", 16); }
 /* Lamps of all kinds at once. */
 static void room(void)
 {
-    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.0003,weights=balance" };
+    static const char *const methods[] = { "bdpt:weights=power",
+                                           "vcm:share=0.0003,weights=balance" };
 
     for (size_t i = 0; i < 2; i++) {
         Lab l;
@@ -540,7 +545,118 @@ static void glass(void)
     }
 }
 
+/* ---- extra pictures ---- */
+
+enum { PICTURES = 8, EDGE = 24 };
+
+/* The picture and those asked for, as "NAME=FILE", by the same paths. */
+static void render_aovs(Lab *l, const char *method, const char *const *asked, int n,
+                        Image im[PICTURES])
+{
+    RenderSettings s;
+    RenderReport report;
+    Film film;
+
+    picture_settings(l, &s, method, EDGE, EDGE, 4);
+    for (s.naovs = 0; s.naovs < n; s.naovs++)
+        REQUIRE(aov_parse(&s.aovs[s.naovs], asked[s.naovs]), "%s", asked[s.naovs]);
+    picture_render(l, &s, &film, &report);
+    for (int k = 0; k <= n; k++) {
+        REQUIRE(image_init(&im[k], EDGE, EDGE), "memory");
+        film_picture(&film, k, &im[k]);
+    }
+    film_clear(&film);
+}
+
+static void expect_close(const Image *a, const Image *b, const char *what)
+{
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++) {
+        Rgb x = a->pixels[i], y = b->pixels[i];
+        EXPECT(fabs((double)x.g - (double)y.g) <= 1e-4 * (double)y.g + 1e-6, "%s: pixel %lu is %g, "
+               "expected %g", what, (unsigned long)i, x.g, y.g);
+    }
+}
+
+/* All ways of making paths of three edges are what these bring, of a picture with mergers too. */
+static void techniques_add_up(void)
+{
+    static const char *const asked[] = {
+        "technique:0,4=a.pfm", "technique:1,3=a.pfm", "technique:2,2=a.pfm", "technique:3,1=a.pfm",
+        "length:3=a.pfm"
+    };
+    Image im[PICTURES];
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    render_aovs(&l, "bdpt:maxdepth=4", asked, 5, im);
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++)
+        for (int k = 2; k <= 4; k++)
+            im[1].pixels[i] = rgb_add(im[1].pixels[i], im[k].pixels[i]);
+    expect_close(&im[1], &im[5], "paths of three edges");
+    for (int k = 0; k <= 5; k++)
+        image_clear(&im[k]);
+    lab_clear(&l);
+}
+
+/* Of several radii each makes the picture that it would alone: paths are the same. */
+static void radii(void)
+{
+    static const char *const asked[] = { "radius:1=a.pfm", "radius:3=a.pfm" };
+    static const char *const kinds[] = { "vcm", "bpm" };
+
+    for (int k = 0; k < 2; k++) {
+        Image im[PICTURES], alone[PICTURES];
+        char text[100];
+        Lab l;
+        lab_init(&l);
+        add_glass_room(&l);
+        snprintf(text, sizeof text, "%s:maxdepth=4,little=0,radii=3,radius=0.4", kinds[k]);
+        render_aovs(&l, text, asked, 2, im);
+        snprintf(text, sizeof text, "%s:maxdepth=4,little=0,radius=0.1", kinds[k]);
+        render_aovs(&l, text, NULL, 0, alone);
+        expect_close(&im[1], &im[0], "the largest radius");
+        expect_close(&im[2], &alone[0], "a quarter of it");
+        for (int i = 0; i < 3; i++)
+            image_clear(&im[i]);
+        image_clear(&alone[0]);
+        lab_clear(&l);
+    }
+}
+
+/* Mergers blur, the less the smaller their radius. */
+static double bias_of(Lab *l, const char *method, const Image *truth)
+{
+    Image im[PICTURES];
+    double sum = 0;
+
+    render_aovs(l, method, NULL, 0, im);
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++)
+        sum += fabs((double)im[0].pixels[i].g - (double)truth->pixels[i].g);
+    image_clear(&im[0]);
+    return sum / (EDGE * EDGE);
+}
+
+static void radius_falls(void)
+{
+    Image truth[PICTURES];
+    double large, small;
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    render_aovs(&l, "path:maxdepth=2@@box", NULL, 0, truth);
+    large = bias_of(&l, "vcm:mode=ppm,maxdepth=2,radius=1.5,alpha=1,paths=16", &truth[0]);
+    small = bias_of(&l, "vcm:mode=ppm,maxdepth=2,radius=0.2,alpha=1,paths=16", &truth[0]);
+    EXPECT(small < 0.7 * large, "off by %g, with a wide radius by %g", small, large);
+    image_clear(&truth[0]);
+    lab_clear(&l);
+}
+
 const TestCase test_bidirectional[] = {
+    { "techniques", techniques_add_up, false },
+    { "radii", radii, false },
+    { "radius_falls", radius_falls, false },
     { "weights", weights, false },
     { "weights_many", weights_long, true },
     { "room", room, false },

@@ -1,13 +1,13 @@
 /* cmd_merge.c -- the command `merge`: shares of a render, added up. */
 #include "base/number.h"
 #include "cli/args.h"
-#include "cli/pictures.h"
+#include "cli/outputs.h"
 #include "cli/sceneargs.h"
 #include "render/merge.h"
 
 enum {
-    ARG_OUTPUT, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_QUIET, ARG_STRICT, ARG_MAX_PIXELS,
-    ARG_MAX_MEMORY, ARG_MAX_FILE
+    ARG_OUTPUT, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_UNCOMPRESSED, ARG_QUIET, ARG_STRICT,
+    ARG_MAX_PIXELS, ARG_MAX_MEMORY, ARG_MAX_FILE
 };
 
 static const ArgDef args[] = {
@@ -15,6 +15,7 @@ static const ArgDef args[] = {
     { "--aov", "NAME=FILE", "extra picture, that the parts were rendered with" },
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
+    { "--uncompressed", NULL, ".exr files are not packed" },
     { "--quiet", NULL, "no summary" },
     { "--strict", NULL, "warnings are errors: a part that is missing" },
     { "--max-pixels", "N", "of the picture; default 268435456" },
@@ -26,11 +27,9 @@ static const ArgDef args[] = {
 typedef struct {
     char **parts;               /* borrowed from the command line: */
     int nparts;                 /* moved to its front */
-    const char *outputs[OUTPUTS_MAX];
-    int noutputs;
-    Aov aovs[AOVS_MAX];
+    const char *aovs[AOVS_ASKED];
     int naovs;
-    Display display;
+    Outputs outputs;
     ReadLimits limits;
 } Line;
 
@@ -45,18 +44,20 @@ static bool set(void *ctx, int k, const char *value)
     case -1:
         l->parts[l->nparts++] = (char *)value;
         return true;
-    case ARG_OUTPUT: return output_add(l->outputs, &l->noutputs, value);
+    case ARG_OUTPUT: return output_add(l->outputs.pictures, &l->outputs.n, value);
     case ARG_AOV:
-        if (l->naovs == AOVS_MAX)
-            return err_usage("at most %d --aov are possible", AOVS_MAX);
-        return aov_parse(&l->aovs[l->naovs++], value);
+        if (l->naovs == AOVS_ASKED)
+            return err_usage("at most %d --aov are possible", AOVS_ASKED);
+        l->aovs[l->naovs++] = value;
+        return true;
+    case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
     case ARG_TONEMAP:
-        l->display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
-        return l->display.tonemap != NULL;
+        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
+        return l->outputs.display.tonemap != NULL;
     case ARG_EXPOSURE:
         if (!arg_number("--exposure", value, -100, 100, &x))
             return false;
-        l->display.exposure = (float)x;
+        l->outputs.display.exposure = (float)x;
         return true;
     default: return scene_arg_set(shared[k - ARG_QUIET], value, NULL, &l->limits);
     }
@@ -70,15 +71,14 @@ const Command command_merge = {
 
 static bool write_all(const Line *l, const Merge *m)
 {
-    bool ok = true;
+    RenderSettings s = { .naovs = 0 };
 
-    for (int i = 0; i < l->noutputs; i++)
-        ok = layer_write(&m->film, 0, NULL, l->outputs[i], &l->display) && ok;
-    for (int i = 0; i < l->naovs; i++) {
-        int layer = merge_layer(m, &l->aovs[i]);
-        ok = layer && layer_write(&m->film, layer, &l->aovs[i], l->aovs[i].file, &l->display) && ok;
-    }
-    return ok;
+    if (!merge_aovs(m, &s))
+        return false;
+    for (int i = 0; i < l->naovs; i++)
+        if (!merge_want(m, &s, l->aovs[i]))
+            return false;
+    return outputs_write(&l->outputs, &s, &m->film);
 }
 
 static bool merge(const Line *l, Merge *m)
@@ -100,7 +100,7 @@ static bool merge(const Line *l, Merge *m)
     error = merge_error(m);
     number_print_fixed(e, error, 4);
     note("%s: %d parts, %.1f samples a pixel, estimated sigma/mu %s",
-         l->noutputs ? l->outputs[0] : l->aovs[0].file, l->nparts, m->samples / pixels,
+         l->outputs.n ? l->outputs.pictures[0] : "parts", l->nparts, m->samples / pixels,
          error < INFINITY ? e : "unknown");
     return true;
 }
@@ -116,7 +116,7 @@ static int run(int argc, char **argv)
     l.limits = limits;
     if (!args_parse(&command_merge, argc, argv, set, &l))
         return failed_status();
-    if (!l.nparts || (!l.noutputs && !l.naovs)) {
+    if (!l.nparts || (!l.outputs.n && !l.naovs)) {
         err_usage("merge takes parts (.part) and -o, the picture to write; see rushlight help "
                   "merge");
         return STATUS_USAGE;

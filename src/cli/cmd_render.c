@@ -4,7 +4,7 @@
 #include "base/work.h"
 #include "cli/args.h"
 #include "cli/interrupt.h"
-#include "cli/pictures.h"
+#include "cli/outputs.h"
 #include "cli/sceneargs.h"
 
 #include <stdio.h>
@@ -12,7 +12,7 @@
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_TONEMAP,
-    ARG_EXPOSURE, ARG_AUTOSAVE, ARG_RESUME, ARG_SHARD, ARG_SCENE
+    ARG_EXPOSURE, ARG_UNCOMPRESSED, ARG_AUTOSAVE, ARG_RESUME, ARG_SHARD, ARG_SCENE
 };
 
 static const ArgDef args[] = {
@@ -22,9 +22,10 @@ static const ArgDef args[] = {
     { "--time", "SECONDS", "of rendering, instead of a sample count" },
     { "--error", "X", "stop at this estimated sigma/mu" },
     { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
-    { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME samples" },
+    { "--aov", "NAME=FILE", "extra picture; see list aovs; those in one .exr are its layers" },
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
+    { "--uncompressed", NULL, ".exr files are not packed" },
     { "--autosave", "SECONDS", "write the picture, and the state in FILE.part, now and then" },
     { "--resume", "FILE.part", "go on from that state, by the same command" },
     { "--shard", "I/N", "the I-th share of N of the samples, to a .part; see help merge" },
@@ -34,21 +35,19 @@ static const ArgDef args[] = {
 
 typedef struct {
     const char *scene;
-    const char *outputs[OUTPUTS_MAX];
-    int noutputs;
+    Outputs outputs;
     const char *state;          /* where it goes; NULL: nobody said */
     bool keeps;                 /* it is written, however the render ends */
     double autosave;            /* seconds between states; 0: none */
     RenderRequest request;
     ReadLimits limits;
-    Display display;
     const volatile sig_atomic_t *stop;
 } Line;
 
 static bool set_aov(Line *l, const char *value)
 {
-    if (l->request.naovs == AOVS_MAX)
-        return err_usage("at most %d --aov are possible", AOVS_MAX);
+    if (l->request.naovs == AOVS_ASKED)
+        return err_usage("at most %d --aov are possible", AOVS_ASKED);
     l->request.aovs[l->request.naovs++] = value;
     return true;
 }
@@ -58,7 +57,7 @@ static bool is_state(const char *path) { return !strcmp(path_extension(path), "p
 static bool set_output(Line *l, const char *value)
 {
     if (!is_state(value))
-        return output_add(l->outputs, &l->noutputs, value);
+        return output_add(l->outputs.pictures, &l->outputs.n, value);
     if (l->state)
         return err_usage("a render has one state, got '%s' and '%s'", l->state, value);
     l->state = value;
@@ -78,7 +77,7 @@ static bool set_number(Line *l, int k, const char *value)
     case ARG_TIME:     ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
     case ARG_ERROR:    ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
     case ARG_EXPOSURE: ok = arg_number(name, value, -100, 100, &x);
-                       l->display.exposure = (float)x; break;
+                       l->outputs.display.exposure = (float)x; break;
     case ARG_AUTOSAVE: ok = arg_number(name, value, 1e-3, 1e9, &l->autosave); break;
     case ARG_SHARD:    ok = arg_part(name, value, &q->shard, &q->shards); q->shard--; break;
     default: break;
@@ -103,41 +102,17 @@ static bool set(void *ctx, int k, const char *value)
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_AOV:        return set_aov(l, value);
     case ARG_TONEMAP:
-        l->display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
-        return l->display.tonemap != NULL;
+        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper",
+                                                  value);
+        return l->outputs.display.tonemap != NULL;
+    case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
     default:
         return k < ARG_SCENE ? set_number(l, k, value)
                              : scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
     }
 }
 
-/* ---- output ---- */
-
-/* Before the hours of rendering, not after them. */
-static bool outputs_possible(const Line *l, const RenderSettings *s)
-{
-    for (int i = 0; i < l->noutputs; i++)
-        if (!out_possible(l->outputs[i]))
-            return false;
-    for (int i = 0; i < s->naovs; i++)
-        if (!out_possible(s->aovs[i].file))
-            return false;
-    return !l->keeps || out_possible(l->state);
-}
-
-/* Pictures of a share are for merge to make. */
-static bool write_all(const Film *f, const Line *l, const RenderSettings *s)
-{
-    bool ok = true;
-
-    if (s->shards)
-        return true;
-    for (int i = 0; i < l->noutputs; i++)
-        ok = layer_write(f, 0, NULL, l->outputs[i], &l->display) && ok;
-    for (int i = 0; i < s->naovs; i++)
-        ok = layer_write(f, 1 + i, &s->aovs[i], s->aovs[i].file, &l->display) && ok;
-    return ok;
-}
+/* ---- the job ---- */
 
 static void summary(const RenderReport *r, const Film *f, const Line *l)
 {
@@ -146,15 +121,14 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
 
     number_print_fixed(e, error, 4);
     note("%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
-         "estimated sigma/mu %s", l->noutputs ? l->outputs[0] : l->state,
+         "estimated sigma/mu %s",
+         l->outputs.n ? l->outputs.pictures[0] : l->state,
          r->interrupted ? " (interrupted)" : "", (double)r->samples / ((double)f->w * f->h),
          clock_text(t, sizeof t, r->seconds),
          r->seconds > 0 ? (double)r->rays * 1e-6 / r->seconds : 0,
          r->cpu_seconds > 0 ? (double)r->samples * 1e-6 / r->cpu_seconds : 0,
          error < INFINITY ? e : "unknown");
 }
-
-/* ---- the job ---- */
 
 /* The name with another ending, in the arena. NULL: no memory, reported. */
 static const char *with_ending(SceneFile *f, const char *name, const char *ending)
@@ -184,21 +158,21 @@ static bool choose_output(Line *l, SceneFile *f)
 {
     const char *name = settings_filename(f);
 
-    if (l->request.shards && l->noutputs)
+    if (l->request.shards && l->outputs.n)
         return err_usage("--shard gives a share of a picture: -o takes FILE.part, and merge makes "
-                         "%s", l->outputs[0]);
-    if (l->noutputs || l->state || l->request.shards)
+                         "%s", l->outputs.pictures[0]);
+    if (l->outputs.n || l->state || l->request.shards)
         return true;
     if (name) {
         const char *ext = path_extension(name);
         for (int i = 0; image_formats[i]; i++)
             if (image_formats[i]->write && !strcmp(image_formats[i]->info.name, ext)) {
-                l->outputs[l->noutputs++] = name;
+                l->outputs.pictures[l->outputs.n++] = name;
                 return true;
             }
     }
-    l->outputs[l->noutputs] = with_ending(f, name ? name : base_name(l->scene), ".png");
-    return l->outputs[l->noutputs++] != NULL;
+    l->outputs.pictures[l->outputs.n] = with_ending(f, name ? name : base_name(l->scene), ".png");
+    return l->outputs.pictures[l->outputs.n++] != NULL;
 }
 
 /* Where the state goes: where it came from, else beside the picture. */
@@ -214,11 +188,23 @@ static bool choose_state(Line *l, SceneFile *f)
         snprintf(ending, sizeof ending, "-%lu-of-%lu.part", (unsigned long)q->shard + 1,
                  (unsigned long)q->shards);
     if (!l->state)
-        l->state = with_ending(f, l->noutputs ? l->outputs[0] : base_name(l->scene), ending);
+        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0] : base_name(l->scene), ending);
     return l->state != NULL;
 }
 
 /* ---- what is kept ---- */
+
+/* Before the hours of rendering, not after them. */
+static bool all_possible(const Line *l, const RenderSettings *s)
+{
+    return outputs_possible(&l->outputs, s) && (!l->keeps || out_possible(l->state));
+}
+
+/* Those of a share are for merge to make. */
+static bool write_pictures(const Film *f, const Line *l, const RenderSettings *s)
+{
+    return s->shards || outputs_write(&l->outputs, s, f);
+}
 
 typedef struct {
     const Line *line;
@@ -237,14 +223,14 @@ static void keep(void *ctx, const Job *job, const Film *f, const RenderReport *r
         return;
     k->written = state_write(job, k->line->state);
     if (!last)
-        k->written = write_all(f, k->line, k->settings) && k->written;
+        k->written = write_pictures(f, k->line, k->settings) && k->written;
 }
 
 /* What remains to be done when the render has ended. */
 static bool finish(const Line *l, const RenderSettings *s, const Film *film, const Keeping *k,
                    const RenderReport *report)
 {
-    if (!write_all(film, l, s))
+    if (!write_pictures(film, l, s))
         return false;
     if (k->written && k->failed)
         err_forgive();
@@ -266,7 +252,7 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     bool ok;
 
     if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
-        !choose_state(l, f) || !outputs_possible(l, &s))
+        !choose_state(l, f) || !all_possible(l, &s))
         return false;
     s.stop = l->stop;
     s.keeper = &keeper;

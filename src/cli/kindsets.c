@@ -19,6 +19,7 @@ const KindSet kind_sets[KIND_SETS] = {
     { "cameras", "", cameras },
     { "filters", "--filter", filters },
     { "adaptives", "--adaptive", adaptives },
+    { "aovs", "", aovs },
     { "formats", "", image_formats },
     { "tonemaps", "--tonemap", tonemaps },
 };

@@ -13,7 +13,7 @@
  * Density     of asking a lamp may depend on who asks (by solid angle, by contribution): so it is
  *             taken at the second vertex of a light path, when that is known.
  * Visibility  is what connections cost. Those that bring little are tried by chance only
- *             ([Cline07 7.9.2]): see `little`.
+ *             ([Cline07 7.9.2]).
  * Media       take light away; what they scatter is left out, with a warning. */
 #ifndef INTEGRATORS_BIDIRECTIONAL_H
 #define INTEGRATORS_BIDIRECTIONAL_H
@@ -54,7 +54,10 @@ typedef struct {
     int   maxdepth, roulette;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
     float paths;                /* of light, for each of the eye's that a whole picture has */
+    float little;               /* see tries() */
     const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
+    int   radii;                /* pictures by as many radii, the first of them the picture's: */
+    struct { float radius, eta; } by[TALLY_RADII];
 } Bidirectional;
 
 /* Of a zeroed *b, by the options below. False: reported, not cleared. */
@@ -77,6 +80,9 @@ Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex 
     { .key = "weights", .type = OPT_CHOICE, .str = "balance",                  \
       .choices = "balance power uniform",                                      \
       .help = "of the ways in which a path can be made; uniform: all alike, which is noisier" }, \
+    { .key = "little", .type = OPT_FLOAT, .num = 0.03, .lo = 0, .hi = 1,     \
+      .help = "connections that bring less than this part of what the sample has found are tried " \
+              "by chance; 0: all are tried" },                                 \
     LIGHTING_LIGHTSAMPLER
 
 #endif

@@ -109,25 +109,62 @@ uint32_t merge_missing(const Merge *m)
     return missing;
 }
 
-int merge_layer(const Merge *m, const Aov *a)
+/* From the name of a layer, as "length.2". False: reported. */
+static bool aov_of_layer(Aov *a, Word name)
 {
-    size_t n = strcspn(a->text, "=");
+    char text[AOV_NAME + 8];
+    char *dot;
+
+    word_copy(text, AOV_NAME, name);
+    dot = strchr(text, '.');
+    for (char *p = dot; p && *p; p++)
+        *p = *p == '.' ? ':' : *p == '-' ? ',' : *p;
+    return aov_parse(a, strcat(text, "=x.pfm"));
+}
+
+/* Of a variance: where that is which it is the variance of. */
+static void find_whose(RenderSettings *s, Aov *a)
+{
+    for (int k = 0; k < s->naovs; k++)
+        if (a->kind == AOV_VARIANCE && (int)s->aovs[k].kind == a->which)
+            a->of = 1 + k;
+}
+
+bool merge_aovs(const Merge *m, RenderSettings *s)
+{
     Text t, l;
-    int layer = 0;
+    Word w;
 
     text_init(&t, NULL, m->text.text, m->text.n);
     while (text_line(&t, &l)) {
-        Word w = text_word(&l);
-        if (!word_is(w, "layers"))
+        if (!word_is(text_word(&l), "layers"))
             continue;
-        while ((w = text_word(&l)).n && layer + 1 < m->film.layers) {
-            layer++;
-            if (w.n == n && !memcmp(w.s, a->text, n))
-                return layer;
-        }
+        while ((w = text_word(&l)).n && s->naovs < AOVS_MAX && s->naovs + 1 < m->film.layers)
+            if (!aov_of_layer(&s->aovs[s->naovs++], w))
+                return false;
     }
-    err_usage("--aov %.*s: the parts were rendered without it", (int)n, a->text);
-    return 0;
+    for (int k = 0; k < s->naovs; k++) {
+        s->aovs[k].file = NULL;
+        find_whose(s, &s->aovs[k]);
+    }
+    return true;
+}
+
+bool merge_want(const Merge *m, RenderSettings *s, const char *text)
+{
+    Aov a;
+
+    if (!aov_parse(&a, text))
+        return false;
+    if (a.kind == AOV_VARIANCE && m->film.splats)
+        return err_usage("--aov variance: of a sum of parts with splats nobody knows it");
+    for (int k = 0; k < s->naovs; k++)
+        if (s->aovs[k].kind == a.kind && s->aovs[k].which == a.which && !s->aovs[k].file) {
+            s->aovs[k].file = a.file;
+            return true;
+        }
+    return err_usage("--aov %.*s: the parts were rendered without it", (int)strcspn(text, "="),
+                     text);
 }
 
 /* ---- films ---- */

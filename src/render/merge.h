@@ -23,7 +23,10 @@ void merge_clear(Merge *m);
 uint32_t merge_missing(const Merge *m);
 /* Estimated sigma/mu of the sum. */
 double merge_error(const Merge *m);
-/* The layer of the film that the parts have for it. 0: none, reported. */
-int merge_layer(const Merge *m, const Aov *a);
+/* The extra pictures that the parts have, layer by layer, into s, where none is wanted yet. False:
+ * reported. */
+bool merge_aovs(const Merge *m, RenderSettings *s);
+/* Wants one of them, by "NAME=FILE", which is borrowed. False: reported. */
+bool merge_want(const Merge *m, RenderSettings *s, const char *text);
 
 #endif

@@ -87,9 +87,11 @@ static bool say_picture(Identity *t, const RenderSettings *s)
              (unsigned long)s->h, (unsigned long)s->crop[0], (unsigned long)s->crop[1],
              (unsigned long)s->crop[2], (unsigned long)s->crop[3]))
         return false;
-    for (int i = 0; i < s->naovs; i++)
-        if (!say(t, " %.*s", (int)strcspn(s->aovs[i].text, "="), s->aovs[i].text))
+    for (int i = 0; i < s->naovs; i++) {
+        char name[AOV_NAME];
+        if (!say(t, " %s", aov_layer(&s->aovs[i], name, sizeof name)))
             return false;
+    }
     return say(t, "\n");
 }
 
