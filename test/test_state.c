@@ -124,6 +124,7 @@ static const char *quick(const char *name)
 {
     return !strcmp(name, "photonmap") ? "photonmap:photons=2000,caustics=500,gather=2"
          : !strcmp(name, "irradiancecache") ? "irradiancecache:rays=64"
+         : !strcmp(name, "pssmlt") ? "pssmlt:chains=5,bootstrap=40"
          : !strcmp(name, "instantradiosity") ? "instantradiosity:lights=16" : name;
 }
 
@@ -133,6 +134,7 @@ static void methods(void)
         "direct:strategy=triple", "direct:strategy=triple,lazy=true",
         "direct:strategy=light,lights=ward,occlusion=points",
         "direct:strategy=cut", "irradiancecache:overture=false,rays=64",
+        "pssmlt:direct=false,over=path,chains=3",
         "sppm:glossy=follow,k=8", "ppm:samples=2", "path@halton", "light@stratified",
         "photonmap:view=direct,strategy=triple,photons=2000,caustics=500,gather=2",
     };
@@ -141,6 +143,8 @@ static void methods(void)
 
     small_scene(&l);
     for (int k = 0; integrators[k]; k++) {
+        if (integrators[k]->unkept)
+            continue;
         picture_settings(&l, &s, quick(integrators[k]->info.name), W, H, 8);
         expect_goes_on(&l, &s, integrators[k]->info.name);
     }
@@ -390,6 +394,8 @@ static void shares(void)
         Merge m = { 0 };
         Film whole;
         Lab l;
+        if (kind->unkept)
+            continue;
         small_scene(&l);
         picture_settings(&l, &s, quick(kind->info.name), W, H, 13);
         picture_render(&l, &s, &whole, &report);

@@ -52,7 +52,8 @@ static bool set(void *ctx, int k, const char *value)
         return true;
     case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
     case ARG_TONEMAP:
-        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
+        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper",
+                                                  value);
         return l->outputs.display.tonemap != NULL;
     case ARG_EXPOSURE:
         if (!arg_number("--exposure", value, -100, 100, &x))

@@ -188,7 +188,8 @@ static bool choose_state(Line *l, SceneFile *f)
         snprintf(ending, sizeof ending, "-%lu-of-%lu.part", (unsigned long)q->shard + 1,
                  (unsigned long)q->shards);
     if (!l->state)
-        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0] : base_name(l->scene), ending);
+        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0] : base_name(l->scene),
+                               ending);
     return l->state != NULL;
 }
 
@@ -235,7 +236,7 @@ static bool finish(const Line *l, const RenderSettings *s, const Film *film, con
     if (k->written && k->failed)
         err_forgive();
     summary(report, film, l);
-    if (report->interrupted && k->written)
+    if (report->interrupted && k->written && s->keeper)
         note("%s has its state; the same command with --resume %s goes on", l->state, l->state);
     return k->written;
 }
@@ -254,8 +255,12 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
         !choose_state(l, f) || !all_possible(l, &s))
         return false;
+    if (s.integrator->unkept && l->keeps)
+        return err_usage("%s: what it knows cannot be kept in a file; without --autosave, "
+                         "--resume, --shard and .part it can be rendered",
+                         s.integrator->info.name);
     s.stop = l->stop;
-    s.keeper = &keeper;
+    s.keeper = s.integrator->unkept ? NULL : &keeper;
     s.scene_digest = digest;
     s.max_file = l->limits.max_file;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))

@@ -56,6 +56,8 @@ struct Job {
 INLINE bool phases_are_anew(const IntegratorKind *k) { return k->anew || !k->radiance; }
 /* What a pass ends with. */
 INLINE int last_stage(const IntegratorKind *k) { return k->radiance ? SAMPLES : k->phases - 1; }
+/* Whether no phase has to be run again for what it made. */
+INLINE bool keeps_all(const IntegratorKind *k) { return k->keeps_all || !k->radiance; }
 /* Whether the film may change in that phase; see `save` in integrator.h. */
 INLINE bool phase_lasts(const IntegratorKind *k, int phase)
 {

@@ -292,7 +292,7 @@ static bool begin_phase(Job *j, int phase)
         return true;
     if (j->nleft != j->phase_units)
         return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
-    if (phase == last_stage(j->integrator->kind)) {
+    if (phase == last_stage(j->integrator->kind) || keeps_all(j->integrator->kind)) {
         memcpy(j->done, j->left_at, (size_t)j->nleft * sizeof *j->done);
         forget_left(j);
     }
@@ -323,14 +323,19 @@ static void run_phase(Job *j, int phase)
         forget_left(j);
 }
 
-/* A state that was left midway needs no phases before its own, if passes are of phases alone: all
- * that these made and the last one uses is in the state. */
-static void run_phases(Job *j)
+/* Of a state that was left midway, phases before its own are run again only for what they made. */
+static int first_phase(const Job *j)
 {
     const IntegratorKind *k = j->integrator->kind;
 
-    for (int phase = j->left_at && !k->radiance ? k->phases - 1 : 0;
-         phase < k->phases && !j->ended; phase++)
+    if (!j->left_at || !keeps_all(k))
+        return 0;
+    return j->left_phase == SAMPLES ? k->phases : j->left_phase;
+}
+
+static void run_phases(Job *j)
+{
+    for (int phase = first_phase(j); phase < j->integrator->kind->phases && !j->ended; phase++)
         run_phase(j, phase);
 }
 
