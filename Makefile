@@ -8,6 +8,7 @@ V        = release
 PORTABLE = 0
 PREFIX   = /usr/local
 DESTDIR  =
+SHARE    = $(DESTDIR)$(PREFIX)/share
 T        =
 SPP      = 64
 PROBES   =
@@ -51,8 +52,13 @@ gallery: all
 	@sh bench/gallery.sh build/$(V)/bench $(SHEET) $(SPP) "$(PROBES)"
 
 install: all
-	mkdir -p $(DESTDIR)$(PREFIX)/bin
+	mkdir -p $(DESTDIR)$(PREFIX)/bin $(SHARE)/man/man1 $(SHARE)/bash-completion/completions \
+	    $(SHARE)/zsh/site-functions $(SHARE)/fish/vendor_completions.d
 	cp rushlight $(DESTDIR)$(PREFIX)/bin/rushlight
+	./rushlight man > $(SHARE)/man/man1/rushlight.1
+	./rushlight completion bash > $(SHARE)/bash-completion/completions/rushlight
+	./rushlight completion zsh > $(SHARE)/zsh/site-functions/_rushlight
+	./rushlight completion fish > $(SHARE)/fish/vendor_completions.d/rushlight.fish
 
 clean:
 	rm -rf build rushlight

@@ -22,13 +22,14 @@
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \
     X(scenefile_shapes) X(scenefile_lights) X(scenefile_hostile) \
-    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) X(race) \
+    X(cli) X(cli_images) X(cli_render) X(cli_output) X(cli_cast) X(cli_race) \
+    X(cli_state) X(completion) X(race) \
     X(race_file) \
     X(physics_furnace) X(physics_irradiance) X(physics_specular) X(physics_agree) \
     X(physics_exact) X(physics_weights) X(lights) X(panorama) X(probes) X(emission) \
     X(lightsampling) X(direct) X(direct_weights) X(beside) X(partition) X(twostage) \
     X(twostage_lamp) X(twostage_sky) X(visibility) X(triple) X(truth) X(cut) X(cut_light) \
-    X(cameras) X(driver) X(adaptive) X(film) X(filters) \
+    X(cameras) X(driver) X(state) X(adaptive) X(film) X(filters) \
     X(motion) X(cameras_we) X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \

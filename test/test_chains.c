@@ -100,7 +100,7 @@ static void run_walk(const Walk *w, float *picture, double *b)
     static const uint32_t crop[4] = { 0, 0, 3, 3 };
     const FilterKind *box = kind_find(filters, "box");
     ChainKind kind = { sizeof(Walker), w->large, walker_init, walker_clear, walker_start,
-                       walker_step, walker_show };
+                       walker_step, walker_show, NULL, NULL };
     Chains cs;
     Tracer t;
     Canvas canvas;

@@ -39,7 +39,7 @@ static void overview(void)
     for (int i = 0; commands[i]; i++) {
         char line[200];
         const char *at;
-        snprintf(line, sizeof line, "\n  %-8s %-28s %s\n", commands[i]->name, commands[i]->usage,
+        snprintf(line, sizeof line, "\n  %-10s %-26s %s\n", commands[i]->name, commands[i]->usage,
                  commands[i]->summary);
         at = strstr(first.out, line);
         EXPECT(at && !strstr(at + 1, line), "not one line for %s", commands[i]->name);

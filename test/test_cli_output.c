@@ -246,14 +246,15 @@ static void interrupt_by(int sig)
     kill(c.pid, sig);
     cli_wait(&c);
     EXPECT(c.status == STATUS_INTERRUPTED, "status %d: %s", c.status, c.err);
-    EXPECT(cli_lines(c.err) == 2 && strstr(c.err, "a.pfm (interrupted): "), "it says: %s", c.err);
+    EXPECT(cli_lines(c.err) == 3 && strstr(c.err, "a.pfm (interrupted): ") &&
+           strstr(c.err, "--resume a.part goes on\n"), "it says: %s", c.err);
     REQUIRE(image_read(&im, cli_path("a.pfm"), IMAGE_PIXELS_DEFAULT), "no picture");
     EXPECT(im.w == 70 && im.h == 50, "%lu x %lu", (unsigned long)im.w, (unsigned long)im.h);
     image_clear(&im);
-    expect_folder("a.pfm " SCENE_FILES);
+    expect_folder("a.part a.pfm " SCENE_FILES);
 }
 
-/* The first signal ends the render soon, with a whole file of what there is. */
+/* The first signal ends the render soon, with a whole file of what there is, and its state. */
 static void interrupted(void)
 {
     cli_scene();
@@ -283,6 +284,7 @@ static void interrupted_unwritten(void)
  * for ever after the first; two signals that are too close count as one, hence more than two. */
 static void interrupted_twice(void)
 {
+    struct stat st;
     int status, sent = 0;
     Cli c;
 
@@ -297,7 +299,7 @@ static void interrupted_twice(void)
     } while (sent < 100 && waitpid(c.pid, &status, WNOHANG) == 0);
     EXPECT(sent >= 2 && sent < 100, "%d signals", sent);
     EXPECT(WIFEXITED(status) && WEXITSTATUS(status) == STATUS_INTERRUPTED, "status %d", status);
-    expect_folder("pipe.pfm " SCENE_FILES);
+    EXPECT(stat(cli_path("pipe.pfm"), &st) == 0 && S_ISFIFO(st.st_mode), "no pipe any more");
 }
 
 const TestCase test_cli_output[] = {

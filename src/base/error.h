@@ -46,6 +46,7 @@ void     messages_quiet(bool on);        /* no notes, no progress; errors and wa
 bool     messages_are_quiet(void);
 unsigned warnings_count(void);
 Status   err_status(void);               /* class of the first error so far, or STATUS_OK */
+void     err_forgive(void);              /* what failed has been made good: there was no error */
 void     err_reset(void);                /* forget: a new run of the program in one process */
 
 /* The entry of names[0..n) nearest to `word` by edit distance, or NULL if none is near.

@@ -1,6 +1,7 @@
 /* file.c -- files, whole or not at all. See file.h. */
 #include "base/file.h"
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/mem.h"
 
@@ -55,6 +56,42 @@ unsigned long file_calls(void)
 }
 
 /* ---- reading ---- */
+
+static struct { pthread_mutex_t lock; bool on; uint64_t sum; } all_read = {
+    PTHREAD_MUTEX_INITIALIZER, false, 0
+};
+
+void file_digest_start(void)
+{
+    pthread_mutex_lock(&all_read.lock);
+    all_read.on = true;
+    all_read.sum = DIGEST_NOTHING;
+    pthread_mutex_unlock(&all_read.lock);
+}
+
+uint64_t file_digest(void)
+{
+    uint64_t sum;
+    pthread_mutex_lock(&all_read.lock);
+    all_read.on = false;
+    sum = all_read.sum;
+    pthread_mutex_unlock(&all_read.lock);
+    return sum;
+}
+
+/* The size, too: two files are another thing than one that has both. */
+static void add_to_digest(const FileBytes *f)
+{
+    uint64_t size = f->size;
+    unsigned char b[8];
+
+    for (int k = 0; k < 8; k++)
+        b[k] = (unsigned char)(size >> 8 * k);
+    pthread_mutex_lock(&all_read.lock);
+    if (all_read.on)
+        all_read.sum = digest(digest(all_read.sum, b, sizeof b), f->bytes, f->size);
+    pthread_mutex_unlock(&all_read.lock);
+}
 
 static ssize_t read_some(int fd, char *to, size_t n)
 {
@@ -111,7 +148,9 @@ bool file_read(const char *path, uint64_t limit, FileBytes *f)
         return err_at((Place){ path, 0, 0 }, "cannot be opened: %s", strerror(errno));
     ok = read_open(fd, path, limit, f);
     close(fd);
-    if (!ok)
+    if (ok)
+        add_to_digest(f);
+    else
         file_clear(f);
     return ok;
 }

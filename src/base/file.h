@@ -19,6 +19,11 @@ bool file_read(const char *path, uint64_t limit, FileBytes *f);
 void file_clear(FileBytes *f);
 bool file_exists(const char *path);
 
+/* A digest of the contents of all files that are read from now on, in the order in which they are;
+ * their names are of no concern. file_digest ends it. */
+void     file_digest_start(void);
+uint64_t file_digest(void);
+
 /* An output file being written. */
 typedef struct Out Out;
 Out *out_open(const char *path);                        /* NULL: reported */

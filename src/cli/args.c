@@ -122,6 +122,16 @@ bool arg_size(const char *name, const char *value, uint32_t *w, uint32_t *h)
     return true;
 }
 
+bool arg_part(const char *name, const char *value, uint32_t *i, uint32_t *n)
+{
+    uint32_t v[2];
+    if (!whole_numbers(value, v, 2, '/') || v[0] < 1 || v[0] > v[1])
+        return err_usage("%s '%s' is not right, expected I/N with I from 1 to N", name, value);
+    *i = v[0];
+    *n = v[1];
+    return true;
+}
+
 bool arg_window(const char *name, const char *value, uint32_t window[4])
 {
     if (!whole_numbers(value, window, 4, ',') || window[0] >= window[2] || window[1] >= window[3])

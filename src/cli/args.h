@@ -3,6 +3,7 @@
 #define CLI_ARGS_H
 
 #include "base/error.h"
+#include "base/version.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -33,6 +34,7 @@ bool arg_number(const char *name, const char *value, double lo, double hi, doubl
 /* n of them with commas between; form: "X,Y,Z", for the message. */
 bool arg_floats(const char *name, const char *value, const char *form, float *v, int n);
 bool arg_size(const char *name, const char *value, uint32_t *w, uint32_t *h);           /* WxH */
+bool arg_part(const char *name, const char *value, uint32_t *i, uint32_t *n);   /* I/N, I from 1 */
 bool arg_window(const char *name, const char *value, uint32_t window[4]);       /* X0,Y0,X1,Y1 */
 
 /* Exit status of a command that failed: the class of its first error. */
@@ -42,7 +44,5 @@ int  finish_output(int status);
 
 /* The whole program: argv[0] is its name. May be called again and again in one process. */
 int  cli_run(int argc, char **argv);
-
-#define RUSHLIGHT_VERSION "0.1.0"
 
 #endif

@@ -10,7 +10,7 @@ static void overview(void)
            "  rushlight SCENE [options]         render a scene (.pbrt, .obj, .ply) to a picture\n"
            "  rushlight COMMAND ...\n\ncommands:\n");
     for (int i = 0; commands[i]; i++)
-        printf("  %-8s %-28s %s\n", commands[i]->name, commands[i]->usage, commands[i]->summary);
+        printf("  %-10s %-26s %s\n", commands[i]->name, commands[i]->usage, commands[i]->summary);
     printf("\nrushlight help COMMAND tells the options of a command; --version the version.\n"
            "exit status: 0 done, 1 a comparison failed, 2 wrong command line, 3 wrong input,\n"
            "4 output not written or out of memory, 130 interrupted (what there was is written)\n");

@@ -2,23 +2,11 @@
  * same lists that the program chooses from, so it cannot be wrong. */
 #include "base/number.h"
 #include "cli/args.h"
-#include "image/denoise.h"
-#include "lightsampling/lightsampler.h"
+#include "cli/kindsets.h"
 #include "render/render.h"
-#include "scenefile/scenefile.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const struct { const char *name; const void *list; } sets[] = {
-    { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
-    { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
-    { "media", medium_kinds },      { "shapes", shape_readers }, { "cameras", cameras },
-    { "filters", filters },         { "adaptives", adaptives },     { "aovs", aovs },
-    { "formats", image_formats },   { "tonemaps", tonemaps }, { "meters", meters },
-    { "denoisers", denoisers },
-};
-enum { SETS = sizeof sets / sizeof sets[0] };
 
 static const char *const type_names[] = { "bool", "integer", "float", "rgb", "point3", "floats",
                                           "string", "choice" };
@@ -87,10 +75,10 @@ static void print_set(int s)
 {
     const KindInfo *info;
 
-    printf("%s\n", sets[s].name);
-    for (size_t k = 0; (info = kind_info(sets[s].list, k)) != NULL; k++) {
+    printf("%s\n", kind_sets[s].name);
+    for (size_t k = 0; (info = kind_info(kind_sets[s].list, k)) != NULL; k++) {
         printf("  %-14s %s  [%s]\n", info->name, info->summary, info->source);
-        print_truth(sets[s].list, k);
+        print_truth(kind_sets[s].list, k);
         for (int i = 0; info->options && info->options[i].key; i++)
             print_option(&info->options[i]);
     }
@@ -98,25 +86,25 @@ static void print_set(int s)
 
 static bool set(void *ctx, int k, const char *value)
 {
-    const char *names[SETS];
+    const char *names[KIND_SETS];
     char have[200] = "", hint[HINT_MAX];
 
     (void)k;
     if (*(int *)ctx >= 0)
         return err_usage("list takes one kind");
-    for (int s = 0; s < SETS; s++) {
+    for (int s = 0; s < KIND_SETS; s++) {
         size_t n = strlen(value);
-        names[s] = sets[s].name;
+        names[s] = kind_sets[s].name;
         strcat(strcat(have, s ? " " : ""), names[s]);
         /* the singular does as well: "list light" */
-        if (!strcmp(value, sets[s].name) ||
-            (n + 1 == strlen(sets[s].name) && !strncmp(value, sets[s].name, n))) {
+        if (!strcmp(value, kind_sets[s].name) ||
+            (n + 1 == strlen(kind_sets[s].name) && !strncmp(value, kind_sets[s].name, n))) {
             *(int *)ctx = s;
             return true;
         }
     }
     return err_usage("unknown kind '%s'%s (have: %s)", value,
-                     hint_nearest(hint, value, names, SETS), have);
+                     hint_nearest(hint, value, names, KIND_SETS), have);
 }
 
 static const ArgDef args[] = { { NULL, NULL, NULL } };
@@ -132,7 +120,7 @@ static int run(int argc, char **argv)
 
     if (!args_parse(&command_list, argc, argv, set, &only))
         return failed_status();
-    for (int s = 0; s < SETS; s++)
+    for (int s = 0; s < KIND_SETS; s++)
         if (only < 0 || only == s)
             print_set(s);
     return STATUS_OK;

@@ -13,12 +13,12 @@
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_DENOISE,
-    ARG_FIREFLIES, ARG_DISPLAY,
+    ARG_FIREFLIES, ARG_AUTOSAVE, ARG_RESUME, ARG_SHARD, ARG_DISPLAY,
     ARG_SCENE = ARG_DISPLAY + DISPLAY_ARGS_N
 };
 
 static const ArgDef args[] = {
-    { "-o", "FILE", "picture to write; the extension picks the format; may be given again" },
+    { "-o", "FILE", "picture, its format by the extension, or state (.part); may be given again" },
     { "--integrator", "NAME[:KEY=VALUE,...]", "how light travels; see list integrators" },
     { "--spp", "N", "samples a pixel; with --error the most, with --adaptive alone the mean" },
     { "--time", "SECONDS", "of rendering, instead of a sample count" },
@@ -26,6 +26,9 @@ static const ArgDef args[] = {
     { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
     { "--aov", "NAME=FILE", "extra picture; see list aovs; those in one .exr are its layers" },
     DENOISING_ARGS,
+    { "--autosave", "SECONDS", "write the picture, and the state in FILE.part, now and then" },
+    { "--resume", "FILE.part", "go on from that state, by the same command" },
+    { "--shard", "I/N", "the I-th share of N of the samples, to a .part; see help merge" },
     DISPLAY_ARGS,
     SCENE_ARGS,
     { NULL, NULL, NULL }
@@ -34,6 +37,9 @@ static const ArgDef args[] = {
 typedef struct {
     const char *scene;
     Outputs outputs;
+    const char *state;          /* where it goes; NULL: nobody said */
+    bool keeps;                 /* it is written, however the render ends */
+    double autosave;            /* seconds between states; 0: none */
     RenderRequest request;
     ReadLimits limits;
     const volatile sig_atomic_t *stop;
@@ -48,6 +54,18 @@ static bool set_aov(Line *l, const char *value)
     return true;
 }
 
+static bool is_state(const char *path) { return !strcmp(path_extension(path), "part"); }
+
+static bool set_output(Line *l, const char *value)
+{
+    if (!is_state(value))
+        return output_add(l->outputs.pictures, &l->outputs.n, value);
+    if (l->state)
+        return err_usage("a render has one state, got '%s' and '%s'", l->state, value);
+    l->state = value;
+    return true;
+}
+
 static bool set_number(Line *l, int k, const char *value)
 {
     RenderRequest *q = &l->request;
@@ -59,6 +77,8 @@ static bool set_number(Line *l, int k, const char *value)
     case ARG_SPP:      ok = arg_int(name, value, 1, UINT32_MAX, &n); q->spp = (uint32_t)n; break;
     case ARG_TIME:     ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
     case ARG_ERROR:    ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
+    case ARG_AUTOSAVE: ok = arg_number(name, value, 1e-3, 1e9, &l->autosave); break;
+    case ARG_SHARD:    ok = arg_part(name, value, &q->shard, &q->shards); q->shard--; break;
     default: break;
     }
     return ok;
@@ -75,7 +95,8 @@ static bool set(void *ctx, int k, const char *value)
             return err_usage("render takes one scene, got '%s' and '%s'", l->scene, value);
         l->scene = value;
         return true;
-    case ARG_OUTPUT:     return output_add(l->outputs.pictures, &l->outputs.n, value);
+    case ARG_OUTPUT:     return set_output(l, value);
+    case ARG_RESUME:     q->resume = value; return true;
     case ARG_INTEGRATOR: q->integrator = value; return true;
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_AOV:        return set_aov(l, value);
@@ -104,7 +125,7 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
              l->outputs.pictures[0]);
     note("%s%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
          "estimated sigma/mu %s",
-         l->outputs.n ? l->outputs.pictures[0] : "", l->outputs.n ? "" : "picture",
+         l->outputs.n ? l->outputs.pictures[0] : l->state,
          r->interrupted ? " (interrupted)" : "", (double)r->samples / ((double)f->w * f->h),
          clock_text(t, sizeof t, r->seconds),
          r->seconds > 0 ? (double)r->rays * 1e-6 / r->seconds : 0,
@@ -112,15 +133,38 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
          error < INFINITY ? e : "unknown");
 }
 
+/* The name with another ending, in the arena. NULL: no memory, reported. */
+static const char *with_ending(SceneFile *f, const char *name, const char *ending)
+{
+    size_t n = strlen(name) - strlen(path_extension(name)), more = strlen(ending) + 1;
+    char *made;
+
+    if (n && name[n - 1] == '.')
+        n--;
+    made = arena_take(&f->arena, n + more, 1);
+    if (!made)
+        return NULL;
+    memcpy(made, name, n);
+    memcpy(made + n, ending, more);
+    return made;
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 /* Where the picture goes if the command line does not say: the scene's own name for it if we can
  * write that, else the scene's name with .png. Beside the current folder, as people expect. */
 static bool choose_output(Line *l, SceneFile *f)
 {
-    const char *name = settings_filename(f), *base = strrchr(l->scene, '/');
-    size_t n;
-    char *made;
+    const char *name = settings_filename(f);
 
-    if (l->outputs.n)
+    if (l->request.shards && l->outputs.n)
+        return err_usage("--shard gives a share of a picture: -o takes FILE.part, and merge makes "
+                         "%s", l->outputs.pictures[0]);
+    if (l->outputs.n || l->state || l->request.shards)
         return true;
     if (name) {
         const char *ext = path_extension(name);
@@ -129,23 +173,82 @@ static bool choose_output(Line *l, SceneFile *f)
                 l->outputs.pictures[l->outputs.n++] = name;
                 return true;
             }
-    } else
-        name = base ? base + 1 : l->scene;
-    n = strlen(name) - strlen(path_extension(name));
-    if (n && name[n - 1] == '.')
-        n--;
-    made = arena_take(&f->arena, n + 5, 1);
-    if (!made)
-        return false;
-    memcpy(made, name, n);
-    memcpy(made + n, ".png", 5);
-    l->outputs.pictures[l->outputs.n++] = made;
-    return true;
+    }
+    l->outputs.pictures[l->outputs.n] = with_ending(f, name ? name : base_name(l->scene), ".png");
+    return l->outputs.pictures[l->outputs.n++] != NULL;
 }
 
-static bool render_scene(Line *l, SceneFile *f, int *status)
+/* Where the state goes: where it came from, else beside the picture. */
+static bool choose_state(Line *l, SceneFile *f)
+{
+    const RenderRequest *q = &l->request;
+    char ending[60] = ".part";
+
+    l->keeps = l->state || q->resume || q->shards || l->autosave > 0;
+    if (!l->state)
+        l->state = q->resume;
+    if (q->shards)
+        snprintf(ending, sizeof ending, "-%lu-of-%lu.part", (unsigned long)q->shard + 1,
+                 (unsigned long)q->shards);
+    if (!l->state)
+        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0] : base_name(l->scene),
+                               ending);
+    return l->state != NULL;
+}
+
+/* ---- what is kept ---- */
+
+/* Before the hours of rendering, not after them. */
+static bool all_possible(const Line *l, const RenderSettings *s)
+{
+    return outputs_possible(&l->outputs, s) && (!l->keeps || out_possible(l->state));
+}
+
+/* Those of a share are for merge to make. */
+static bool write_pictures(const Film *f, const Line *l, const RenderSettings *s)
+{
+    return s->shards || outputs_write(&l->outputs, s, f);
+}
+
+typedef struct {
+    const Line *line;
+    const RenderSettings *settings;
+    bool written;               /* the last state and, between states, the pictures with it */
+    bool failed;                /* an earlier one was not */
+} Keeping;
+
+/* What cannot be written now may be written the next time: the render goes on. */
+static void keep(void *ctx, const Job *job, const Film *f, const RenderReport *r, bool last)
+{
+    Keeping *k = ctx;
+
+    k->failed = k->failed || !k->written;
+    if (last && !k->line->keeps && !r->interrupted)
+        return;
+    k->written = state_write(job, k->line->state);
+    if (!last)
+        k->written = write_pictures(f, k->line, k->settings) && k->written;
+}
+
+/* What remains to be done when the render has ended. */
+static bool finish(const Line *l, const RenderSettings *s, const Film *film, const Keeping *k,
+                   const RenderReport *report)
+{
+    if (!write_pictures(film, l, s))
+        return false;
+    if (k->written && k->failed)
+        err_forgive();
+    summary(report, film, l);
+    if (report->interrupted && k->written && s->keeper)
+        note("%s has its state; the same command with --resume %s goes on", l->state, l->state);
+    return k->written;
+}
+
+static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
 {
     RenderSettings s;
+    Keeping keeping = { l, &s, true, false };
+    RenderKeeper keeper = { &keeping, l->autosave, keep };
     RenderReport report;
     Film film;
     double start = clock_wall();
@@ -153,11 +256,18 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
     bool ok;
 
     if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
-        !outputs_possible(&l->outputs, &s))
+        !choose_state(l, f) || !all_possible(l, &s))
         return false;
+    if (s.integrator->unkept && l->keeps)
+        return err_usage("%s: what it knows cannot be kept in a file; without --autosave, "
+                         "--resume, --shard and .part it can be rendered",
+                         s.integrator->info.name);
     s.stop = l->stop;
     l->outputs.denoising.threads = s.threads;
     outputs_prepare(&l->outputs, &s);
+    s.keeper = s.integrator->unkept ? NULL : &keeper;
+    s.scene_digest = digest;
+    s.max_file = l->limits.max_file;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
     note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
@@ -165,9 +275,7 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
          clock_text(t, sizeof t, clock_wall() - start), (double)mem_bytes() / 1048576.0);
     if (!render(f->scene, &s, &film, &report))
         return false;
-    ok = outputs_write(&l->outputs, &s, &film);
-    if (ok)
-        summary(&report, &film, l);
+    ok = finish(l, &s, &film, &keeping, &report);
     if (report.interrupted)
         *status = STATUS_INTERRUPTED;
     film_clear(&film);
@@ -184,14 +292,18 @@ const Command command_render = {
 static int render_file(Line *l)
 {
     SceneFile f;
+    uint64_t digest;
     int status = STATUS_OK;
     bool ok;
 
     l->request.max_pixels = l->limits.max_pixels;
     l->stop = interrupts_catch();
-    if (!scenefile_read(&f, l->scene, &l->limits))
+    file_digest_start();
+    ok = scenefile_read(&f, l->scene, &l->limits);
+    digest = file_digest();
+    if (!ok)
         return failed_status();
-    ok = render_scene(l, &f, &status);
+    ok = render_scene(l, &f, digest, &status);
     scenefile_clear(&f);
     return ok && err_status() == STATUS_OK ? status : failed_status();
 }

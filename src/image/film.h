@@ -7,6 +7,7 @@
 #ifndef IMAGE_FILM_H
 #define IMAGE_FILM_H
 
+#include "base/archive.h"
 #include "image/image.h"
 
 /* value = (hi 2^64 + lo) 2^-60, two's complement */
@@ -84,6 +85,26 @@ void film_pass(Film *f);
  * too high, and of splats it knows nothing. */
 double film_error(const Film *f);
 double film_error_independent(const Film *f);
+
+/* ---- films in files, and sums of films: see filmstate.c ---- */
+
+enum { FILM_LAYERS_MOST = 64 };
+typedef struct { uint32_t w, h, crop[4], layers; bool splats; } FilmShape;
+
+void film_save_shape(const Film *f, Saving *s);
+bool film_load_shape(FilmShape *p, Loading *l);         /* false: there is none; not reported */
+double film_bytes_saved(const FilmShape *p);            /* at least, behind its shape */
+bool film_has_shape(const Film *f, const FilmShape *p);
+
+/* All of it but its shape, which the one that is read into has already. False: the file ends too
+ * soon; not reported. */
+void film_save(const Film *f, Saving *s);
+bool film_load(Film *f, Loading *l);
+/* Adds the samples of a film of the same shape. film_error of the sum means nothing. */
+void film_join(Film *f, const Film *other);
+
+void exact_save(const Exact *e, size_t n, Saving *s);
+void exact_load(Exact *e, size_t n, Loading *l);
 
 /* How variance falls from block to block twice as long: the share r that is left, and the variance
  * of a block's mean as a multiple of Q. last, before: sums over the same pixels of Q for blocks of

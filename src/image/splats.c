@@ -123,3 +123,42 @@ uint64_t splats_refused(const Splats *s, uint32_t *x, uint32_t *y)
     }
     return n;
 }
+
+/* ---- in files ---- */
+
+void splats_save(const Splats *s, size_t n, Saving *to)
+{
+    exact_save(s->sums, n, to);
+    save_u64(to, s->shots);
+    for (int k = 0; k < LOCKS; k++) {
+        save_u64(to, s->lock[k].refused);
+        save_u32(to, s->lock[k].bad_x);
+        save_u32(to, s->lock[k].bad_y);
+    }
+}
+
+void splats_load(Splats *s, size_t n, Loading *from)
+{
+    exact_load(s->sums, n, from);
+    s->shots = load_u64(from);
+    for (int k = 0; k < LOCKS; k++) {
+        s->lock[k].refused = load_u64(from);
+        s->lock[k].bad_x = load_u32(from);
+        s->lock[k].bad_y = load_u32(from);
+    }
+}
+
+void splats_join(Splats *s, const Splats *other, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        exact_join(&s->sums[i], &other->sums[i]);
+    s->shots += other->shots;
+    for (int k = 0; k < LOCKS; k++) {
+        Lock *a = &s->lock[k], *b = &other->lock[k];
+        if (!a->refused && b->refused) {
+            a->bad_x = b->bad_x;
+            a->bad_y = b->bad_y;
+        }
+        a->refused += b->refused;
+    }
+}

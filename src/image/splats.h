@@ -31,7 +31,11 @@ void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c)
 /* So many shots more. By one thread at a time, while none splats. */
 void film_shots(Film *f, uint64_t n);
 
-/* ---- for film.c ---- */
+/* ---- for film.c and filmstate.c; n: numbers of `sums` ---- */
+
+void splats_save(const Splats *s, size_t n, Saving *to);
+void splats_load(Splats *s, size_t n, Loading *from);
+void splats_join(Splats *s, const Splats *other, size_t n);
 
 void splats_free(Splats *s);                            /* s may be NULL */
 Rgb  splats_mean(const Splats *s, size_t sum);          /* of sums 3 sum .. 3 sum + 2 */

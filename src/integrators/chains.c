@@ -114,6 +114,9 @@ uint64_t chains_units(Integrator *it, const Film *f, uint32_t pass, int phase)
     (void)f;
     if (phase == 0)
         return pass ? 0 : cs->n;
+    if (cs->begun == pass + 1)
+        return cs->n;           /* of a state that was left in the middle of it */
+    cs->begun = pass + 1;
     if (pass == 0)
         it->failed = !choose_starts(cs);
     refine(cs);
@@ -168,4 +171,56 @@ void chains_run(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit
             start_chain(cs, chains_at(cs, (size_t)unit), t);
         go_on(cs, pass, (size_t)unit, t);
     }
+}
+
+/* ---- what lasts ---- */
+
+void chains_save(const Integrator *it, Saving *s)
+{
+    const Chains *cs = (const Chains *)it;
+
+    save_u32(s, cs->begun);
+    save_double(s, cs->found);
+    save_u64(s, cs->tries);
+    save_double(s, cs->b);
+    save_double(s, cs->c);
+    for (uint64_t i = 0; cs->brightness && i < cs->total; i++)
+        save_float(s, cs->brightness[i]);
+    for (size_t k = 0; k < cs->n; k++) {
+        const Chain *c = chains_at(cs, k);
+        save_u64(s, c->steps);
+        save_float(s, c->brightness);
+        save_double(s, c->weight);
+        save_double(s, c->found);
+        save_u64(s, c->tries);
+        cs->kind.save(c, s);
+    }
+}
+
+bool chains_load(Integrator *it, Loading *l)
+{
+    Chains *cs = (Chains *)it;
+    bool ok = true;
+
+    cs->begun = load_u32(l);
+    cs->found = load_double(l);
+    cs->tries = load_u64(l);
+    cs->b = load_double(l);
+    cs->c = load_double(l);
+    if (cs->begun) {            /* chains have been chosen */
+        mem_free(cs->brightness);
+        cs->brightness = NULL;
+    }
+    for (uint64_t i = 0; cs->brightness && i < cs->total; i++)
+        cs->brightness[i] = load_float(l);
+    for (size_t k = 0; ok && k < cs->n; k++) {
+        Chain *c = chains_at(cs, k);
+        c->steps = load_u64(l);
+        c->brightness = load_float(l);
+        c->weight = load_double(l);
+        c->found = load_double(l);
+        c->tries = load_u64(l);
+        ok = cs->kind.load(c, l);
+    }
+    return ok && !l->beyond;
 }

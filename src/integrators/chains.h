@@ -61,6 +61,9 @@ typedef struct {
     void (*step)(Chains *cs, Chain *c, Tracer *t);
     /* Splats the light of the present state, times weight. */
     void (*show)(Chains *cs, Chain *c, float weight, Tracer *t);
+    /* The present state, into a file and back. False: it does not fit. */
+    void (*save)(const Chain *c, Saving *s);
+    bool (*load)(Chain *c, Loading *l);
 } ChainKind;
 
 /* An integrator of chains: the first member of every concrete one. */
@@ -77,6 +80,7 @@ struct Chains {
     uint64_t tries;             /* their number: b is the quotient */
     double   b, c;              /* of this pass; c > 0 */
     uint64_t pixels;            /* of the window: steps of a pass */
+    uint32_t begun;             /* passes in which chains go on or have gone on */
 };
 
 /* Of a zeroed *cs, whose base.scene is set. */
@@ -87,6 +91,10 @@ bool chains_prepare(Integrator *it, const Film *f, uint64_t seed);
 enum { CHAINS_PHASES = 2 };
 uint64_t chains_units(Integrator *it, const Film *f, uint32_t pass, int phase);
 void chains_run(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+
+/* As .save and .load of an integrator that keeps all. */
+void chains_save(const Integrator *it, Saving *s);
+bool chains_load(Integrator *it, Loading *l);
 
 INLINE Chain *chains_at(const Chains *cs, size_t k)
 {

@@ -111,6 +111,21 @@ static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t un
     it->strategy->run(it, unit, t);
 }
 
+static void save(const Integrator *base, Saving *s)
+{
+    const Direct *it = (const Direct *)base;
+
+    if (it->strategy->save)
+        it->strategy->save(it, s);
+}
+
+static bool load(Integrator *base, Loading *l)
+{
+    Direct *it = (Direct *)base;
+
+    return !it->strategy->load || it->strategy->load(it, l);
+}
+
 /* ---- opening ---- */
 
 static void close_direct(Integrator *base)
@@ -257,7 +272,7 @@ const IntegratorKind integrator_direct = {
     .info = { "direct", "Cline07 4", "direct light, by any of many strategies", options },
     .truth = BIASED, .misses = "light scattered more than once, but for mirrors and glass",
     .open = open_direct, .close = close_direct, .radiance = radiance, .prepare = prepare,
-    .phases = 1, .units = units, .run = run
+    .phases = 1, .units = units, .run = run, .save = save, .load = load
 };
 
 Integrator *direct_open(const Scene *s, const Opts *of)

@@ -21,6 +21,9 @@ typedef struct {
      * NULL: nothing to do. */
     bool (*prepare)(Direct *it, const Film *f, uint64_t seed, uint64_t *units);
     void (*run)(const Direct *it, uint64_t unit, Tracer *t);
+    /* As those of an integrator. NULL: nothing lasts. */
+    void (*save)(const Direct *it, Saving *s);
+    bool (*load)(Direct *it, Loading *l);
 } DirectStrategy;
 
 extern const DirectStrategy *const direct_strategies[];         /* ends with NULL */

@@ -226,6 +226,23 @@ static bool prepare(Direct *it, const Film *f, uint64_t seed, uint64_t *units)
     return own->ready;
 }
 
+/* ---- what lasts ---- */
+
+static void save(const Direct *it, Saving *s)
+{
+    const Triple *own = it->own;
+
+    if (own->ready)
+        visibility_save(&own->seen, s);
+}
+
+static bool load(Direct *it, Loading *l)
+{
+    Triple *own = it->own;
+
+    return !own->ready || visibility_load(&own->seen, l);
+}
+
 /* ---- opening ---- */
 
 static void close_triple(Direct *it)
@@ -279,5 +296,5 @@ static bool open_triple(Direct *it, const Opts *o)
 const DirectStrategy direct_triple = {
     .name = "triple", .source = "Cline07 6", .help = "twostage, and maps of what hides the sky",
     .finds_deltas = true, .open = open_triple, .close = close_triple, .prepare = prepare,
-    .run = make_map, .light = light
+    .run = make_map, .light = light, .save = save, .load = load
 };

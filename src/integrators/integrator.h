@@ -242,6 +242,21 @@ typedef struct {
     uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+
+    /* What lasts from pass to pass beside the film, into a file and back, so that a render can go
+     * on another day. NULL: nothing does. It is asked for when no unit runs, between passes or amid
+     * one.
+     * Usually what phases make for the camera samples of their pass is not kept: they are run again
+     * after `load`, for the same pass, and what they splat then goes nowhere; so only the samples
+     * may change what lasts. If `keeps_all` phases are not run again, and may; for the phase that
+     * was left `units` is asked again. Without `radiance` the same holds for the last phase, the
+     * only one that then splats and changes what lasts. `load` false: it does not fit; nobody has
+     * reported it. */
+    void (*save)(const Integrator *it, Saving *s);
+    bool (*load)(Integrator *it, Loading *l);
+    bool keeps_all;
+    bool unkept;                /* something lasts, but cannot be kept: such a render cannot go on
+                                 * another day, nor be shared */
 } IntegratorKind;
 
 /* Whether pixels may have different counts of samples, and whether these say how noisy the picture

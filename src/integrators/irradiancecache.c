@@ -14,7 +14,8 @@ typedef struct { IrradianceRecord records[TILE_RECORDS]; int n; } Tile;
 
 typedef struct {
     RecordCache base;
-    Tile *tiles;                /* owned: of each tile, without overture */
+    Tile *tiles;                /* owned: of each tile, without overture; ntiles of them */
+    size_t ntiles;
     uint32_t tiles_across;
 } IrradianceCache;
 
@@ -47,6 +48,46 @@ static bool ask_tile(const RecordCache *it, const Beam *b, const Vertex *v, cons
     return ask_list(it, tile->records + tile->n - 1, 1, at, E);
 }
 
+/* ---- what lasts: the records of tiles; those of the overture are made again ---- */
+
+enum { RECORD_FLOATS = sizeof(IrradianceRecord) / sizeof(float) };
+
+static void save(const Integrator *base, Saving *s)
+{
+    const IrradianceCache *it = (const IrradianceCache *)base;
+
+    for (size_t k = 0; k < it->ntiles; k++) {
+        save_u32(s, (uint32_t)it->tiles[k].n);
+        for (int i = 0; i < it->tiles[k].n; i++) {
+            float v[RECORD_FLOATS];
+            memcpy(v, &it->tiles[k].records[i], sizeof v);
+            for (int j = 0; j < RECORD_FLOATS; j++)
+                save_float(s, v[j]);
+        }
+    }
+}
+
+static bool load(Integrator *base, Loading *l)
+{
+    IrradianceCache *it = (IrradianceCache *)base;
+
+    for (size_t k = 0; k < it->ntiles; k++) {
+        uint32_t n = load_u32(l);
+        if (n > TILE_RECORDS)
+            return false;
+        it->tiles[k].n = (int)n;
+        for (uint32_t i = 0; i < n; i++) {
+            float v[RECORD_FLOATS];
+            for (int j = 0; j < RECORD_FLOATS; j++)
+                v[j] = load_float(l);
+            memcpy(&it->tiles[k].records[i], v, sizeof v);
+        }
+    }
+    return !l->beyond;
+}
+
+/* ---- opening ---- */
+
 static bool prepare(Integrator *base, const Film *f, uint64_t seed)
 {
     IrradianceCache *cache = (IrradianceCache *)base;
@@ -56,6 +97,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
         cache->tiles = MEM_ARRAY(Tile, film_ntiles(f));
         if (!cache->tiles)
             return false;
+        cache->ntiles = film_ntiles(f);
     }
     return recordcache_prepare(base, f, seed);
 }
@@ -99,5 +141,5 @@ const IntegratorKind integrator_irradiancecache = {
     .truth = BIASED, .misses = "detail of indirect light between its records",
     .open = open_cache, .close = close_cache, .prepare = prepare,
     .radiance = recordcache_radiance, .phases = RECORDCACHE_PHASES, .units = recordcache_units,
-    .run = recordcache_run
+    .run = recordcache_run, .save = save, .load = load
 };

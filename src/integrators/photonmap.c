@@ -168,6 +168,16 @@ static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t un
         photonmaps_run(&it->maps, phase - 1, unit, t);
 }
 
+static void save(const Integrator *base, Saving *s)
+{
+    integrator_direct.save(&((const PhotonMap *)base)->direct->base, s);
+}
+
+static bool load(Integrator *base, Loading *l)
+{
+    return integrator_direct.load(&((PhotonMap *)base)->direct->base, l);
+}
+
 /* ---- opening ---- */
 
 static void close_photonmap(Integrator *base)
@@ -231,5 +241,5 @@ const IntegratorKind integrator_photonmap = {
               "photon maps, seen by a final gather or as they are", options },
     .truth = BIASED, .misses = "details that photons blur; light that media scatter",
     .open = open_photonmap, .close = close_photonmap, .prepare = prepare, .radiance = radiance,
-    .phases = PHASES, .units = units, .run = run
+    .phases = PHASES, .units = units, .run = run, .save = save, .load = load
 };

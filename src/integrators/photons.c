@@ -158,9 +158,10 @@ static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t un
     uint64_t end = (uint64_t)f->w * f->h, n = (unit + 1) * UNIT < end ? UNIT : end - unit * UNIT;
 
     (void)phase;
-    sampler_pixel(&t->sampler, (uint32_t)unit, (uint32_t)(unit >> 32));
     for (uint64_t i = 0; i < n; i++) {
-        sampler_start(&t->sampler, pass * (uint32_t)UNIT + (uint32_t)i);
+        uint64_t number = (uint64_t)pass * UNIT + i;
+        sampler_pixel(&t->sampler, (uint32_t)unit, (uint32_t)(number >> 32));
+        sampler_start(&t->sampler, (uint32_t)number);
         shoot((const Photons *)base, t);
     }
 }

@@ -75,6 +75,36 @@ static uint32_t moment(const Integrator *base, uint32_t pass)
     return pass % ((const Ppm *)base)->samples;
 }
 
+static void save(const Integrator *base, Saving *s)
+{
+    const Ppm *it = (const Ppm *)base;
+
+    progressive_save(base, s);
+    for (size_t i = 0; i < it->shared.nrefined; i++) {
+        const Ray *r = &it->points[i].ray;
+        const float v[] = { r->o.x, r->o.y, r->o.z, r->tmax, r->d.x, r->d.y, r->d.z, r->time };
+        for (int k = 0; k < 8; k++)
+            save_float(s, v[k]);
+        save_u32(s, it->points[i].index);
+    }
+}
+
+static bool load(Integrator *base, Loading *l)
+{
+    Ppm *it = (Ppm *)base;
+
+    if (!progressive_load(base, l))
+        return false;
+    for (size_t i = 0; i < it->shared.nrefined; i++) {
+        float v[8];
+        for (int k = 0; k < 8; k++)
+            v[k] = load_float(l);
+        it->points[i].ray = (Ray){ { v[0], v[1], v[2] }, v[3], { v[4], v[5], v[6] }, v[7] };
+        it->points[i].index = load_u32(l);
+    }
+    return !l->beyond;
+}
+
 static void close_ppm(Integrator *base)
 {
     Ppm *it = (Ppm *)base;
@@ -112,5 +142,5 @@ const IntegratorKind integrator_ppm = {
     .misses = "edges and blurs finer than its points; light that media scatter",
     .open = open_ppm, .close = close_ppm, .prepare = prepare, .radiance = radiance, .anew = true,
     .moment = moment, .phases = PROGRESSIVE_PHASES, .units = progressive_units,
-    .run = progressive_run
+    .run = progressive_run, .save = save, .load = load
 };

@@ -182,8 +182,36 @@ void progressive_run(Integrator *base, Film *f, uint32_t pass, int phase, uint64
     Progressive *it = (Progressive *)base;
 
     (void)f;
-    photonpass_run(&it->pass, pass, phase, unit,
-                   phase == PHOTONPASS_EDGE ? edge_of_cells(it) : 0.0f, t);
+    if (phase == PHOTONPASS_EDGE && it->edge_of != pass + 1) {
+        it->edge = edge_of_cells(it);
+        it->edge_of = pass + 1;
+    }
+    photonpass_run(&it->pass, pass, phase, unit, it->edge, t);
+}
+
+void progressive_save(const Integrator *base, Saving *s)
+{
+    const Progressive *it = (const Progressive *)base;
+
+    for (size_t i = 0; i < it->nrefined; i++) {
+        save_float(s, it->refined[i].radius);
+        save_float(s, it->refined[i].photons);
+    }
+    save_float(s, it->edge);
+    save_u32(s, it->edge_of);
+}
+
+bool progressive_load(Integrator *base, Loading *l)
+{
+    Progressive *it = (Progressive *)base;
+
+    for (size_t i = 0; i < it->nrefined; i++) {
+        it->refined[i].radius = load_float(l);
+        it->refined[i].photons = load_float(l);
+    }
+    it->edge = load_float(l);
+    it->edge_of = load_u32(l);
+    return !l->beyond;
 }
 
 bool progressive_prepare(Progressive *it, const Film *f, size_t each)

@@ -44,6 +44,8 @@ typedef struct {
     Refined *refined;           /* owned: [pixel][each] */
     size_t nrefined, each;
     uint32_t x0, y0, w;         /* window of the film */
+    float    edge;              /* of the cells of pass number edge_of, from 1 on; 0: of none */
+    uint32_t edge_of;
 } Progressive;
 
 /* Of a zeroed *it: all but what depends on the picture. False: reported, not cleared. */
@@ -56,6 +58,11 @@ bool progressive_prepare(Progressive *it, const Film *f, size_t each);
 enum { PROGRESSIVE_PHASES = PHOTONPASS_PHASES };
 uint64_t progressive_units(Integrator *it, const Film *f, uint32_t pass, int phase);
 void progressive_run(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+
+/* IntegratorKind.save and .load, or a part of them. Photons are summed in the order of their cells,
+ * so a pass that goes on must have the cells that it began with. */
+void progressive_save(const Integrator *it, Saving *s);
+bool progressive_load(Integrator *it, Loading *l);
 
 /* The statistics number `which` of the tracer's pixel. */
 INLINE Refined *progressive_of(const Progressive *it, const Tracer *t, size_t which)

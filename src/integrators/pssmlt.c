@@ -210,6 +210,50 @@ static void walk_show(Chains *cs, Chain *c, float weight, Tracer *t)
     tracer_splat_list(t, &w->light[w->primary.now], weight);
 }
 
+/* Numbers and light of the present sample; proposals are made anew. */
+static void walk_save(const Chain *c, Saving *s)
+{
+    const Walk *w = (const Walk *)c;
+    const SplatList *l = &w->light[w->primary.now];
+
+    primary_save(&w->primary, s);
+    save_u64(s, l->n);
+    save_float(s, l->place.x);
+    save_float(s, l->place.y);
+    save_float(s, l->area);
+    for (size_t i = 0; i < l->n; i++) {
+        const Splat *p = &l->splats[i];
+        const float v[] = { p->place.x, p->place.y, p->c.r, p->c.g, p->c.b };
+        for (int k = 0; k < 5; k++)
+            save_float(s, v[k]);
+        save_u32(s, p->layers);
+    }
+}
+
+static bool walk_load(Chain *c, Loading *from)
+{
+    Walk *w = (Walk *)c;
+    SplatList *l = &w->light[w->primary.now];
+    uint64_t n;
+
+    if (!primary_load(&w->primary, from))
+        return false;
+    n = load_u64(from);
+    l->place.x = load_float(from);
+    l->place.y = load_float(from);
+    l->area = load_float(from);
+    if (n > load_left(from) / 24 || !mem_grow(&l->splats, &l->cap, (size_t)n, sizeof *l->splats))
+        return false;
+    l->n = (size_t)n;
+    for (size_t i = 0; i < l->n; i++) {
+        float v[5];
+        for (int k = 0; k < 5; k++)
+            v[k] = load_float(from);
+        l->splats[i] = (Splat){ { v[0], v[1] }, { v[2], v[3], v[4] }, load_u32(from) };
+    }
+    return true;
+}
+
 /* ---- direct light apart ---- */
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
@@ -317,7 +361,7 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
 {
     Pssmlt *it = MEM_NEW(Pssmlt);
     ChainKind kind = { sizeof(Walk), opt_float(o, "large"), walk_init, walk_clear, walk_start,
-                       walk_step, walk_show };
+                       walk_step, walk_show, walk_save, walk_load };
 
     if (!it)
         return NULL;
@@ -359,5 +403,6 @@ const IntegratorKind integrator_pssmlt = {
     .truth = CONSISTENT, .misses = "what the integrator misses whose samples it changes",
     .splats = true, .open = open_pssmlt, .close = close_pssmlt, .prepare = prepare,
     .radiance = radiance, .phases = CHAINS_PHASES, .anew = true,
-    .units = chains_units, .run = chains_run
+    .units = chains_units, .run = chains_run, .save = chains_save, .load = chains_load,
+    .keeps_all = true
 };

@@ -52,5 +52,5 @@ const IntegratorKind integrator_sppm = {
     .truth = CONSISTENT, .misses = "light that media scatter",
     .open = open_sppm, .close = close_sppm, .prepare = prepare, .radiance = radiance,
     .anew = true, .moment = moment, .phases = PROGRESSIVE_PHASES, .units = progressive_units,
-    .run = progressive_run
+    .run = progressive_run, .save = progressive_save, .load = progressive_load
 };

@@ -231,3 +231,20 @@ Thinning thinning_of(int n, float v, float a)
     t.keep = v < 1.0f ? (float)n * a / (float)t.points : 1.0f;
     return t;
 }
+
+/* ---- in files ---- */
+
+void visibility_save(const Visibility *v, Saving *s)
+{
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < v->nlearned; i++)
+            save_u32(s, v->learned[k][i]);
+}
+
+bool visibility_load(Visibility *v, Loading *l)
+{
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < v->nlearned; i++)
+            v->learned[k][i] = load_u32(l);
+    return !l->beyond;
+}

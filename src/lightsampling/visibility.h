@@ -89,6 +89,10 @@ void visibility_note(VisibilityMap *m, V2 p);
 /* Writes what was noted to the pixel's four maps. By the worker that has the pixel's tile. */
 void visibility_learn(Visibility *v, uint32_t x, uint32_t y, const VisibilityMap *m);
 
+/* What has been learned, into a file and back. */
+void visibility_save(const Visibility *v, Saving *s);
+bool visibility_load(Visibility *v, Loading *l);        /* false: too short; not reported */
+
 INLINE int visibility_texel(int size, V2 p)
 {
     int x = (int)(p.x * (float)size), y = (int)(p.y * (float)size);

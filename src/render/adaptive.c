@@ -4,6 +4,7 @@
 #include <string.h>
 
 enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
+enum { STEP_MOST = 26 };                /* that matters to any policy */
 
 #define POLICIES(X)                                                                     \
     X(neighbours)               /* by the other half of the pixels; unbiased */         \
@@ -37,7 +38,8 @@ bool adaptive_init(Adaptive *a, const AdaptiveKind *kind, const Opts *o, Film *f
         return err_usage("--adaptive own stops pixels at an error; expected --error X");
     a->seen = MEM_ARRAY(Seen, a->n);
     a->room = MEM_ARRAY(float, (size_t)a->n * 2);
-    if (a->seen && a->room && (!kind->start || kind->start(a))) {
+    a->way = MEM_ARRAY(double, film->tiles_y);
+    if (a->seen && a->room && a->way && (!kind->start || kind->start(a))) {
         for (uint32_t i = 0; i < a->n; i++)
             a->seen[i].keep = UINT32_MAX;
         return true;
@@ -50,6 +52,7 @@ void adaptive_clear(Adaptive *a)
 {
     mem_free(a->seen);
     mem_free(a->room);
+    mem_free(a->way);
     mem_free(a->pilot);
     memset(a, 0, sizeof *a);
 }
@@ -105,16 +108,21 @@ void adaptive_take(Seen *s, Taker *t, uint32_t x, uint32_t y, uint32_t most, boo
 
 void adaptive_tile(Adaptive *a, uint32_t tile, Taker *t)
 {
-    uint32_t x0, y0, x1, y1;
+    uint32_t x0, y0, x1, y1, w;
 
     film_tile(a->film, tile, &x0, &y0, &x1, &y1);
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++) {
-            size_t i = film_pixel(a->film, x, y);
-            if (a->pilot && !a->kind->run)
-                adaptive_take(&a->pilot[i], t, x, y, a->slice, true);
-            adaptive_take(&a->seen[i], t, x, y, a->slice, false);
-        }
+    w = x1 - x0;
+    while (*t->done < w * (y1 - y0)) {
+        uint32_t x = x0 + *t->done % w, y = y0 + *t->done / w;
+        size_t i = film_pixel(a->film, x, y);
+        if (a->pilot && !a->kind->run)
+            adaptive_take(&a->pilot[i], t, x, y, a->slice, true);
+        adaptive_take(&a->seen[i], t, x, y, a->slice, false);
+        ++*t->done;
+        if (t->late(t->ctx))
+            return;
+    }
+    *t->done = UNIT_DONE;
 }
 
 void adaptive_run(Adaptive *a, uint32_t unit, Taker *t)
@@ -177,6 +185,74 @@ double seen_q(const Seen *s, int k)
 {
     double d = (double)s->mark[k % SEEN_MARKS] - (double)s->mark[(k - 1) % SEEN_MARKS];
     return d * d;
+}
+
+/* ---- in files ---- */
+
+static void save_seen(const Seen *seen, uint32_t n, Saving *s)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        save_double(s, seen[i].sum);
+        save_double(s, seen[i].squares);
+        for (int k = 0; k < SEEN_MARKS; k++)
+            save_float(s, seen[i].mark[k]);
+        save_u32(s, seen[i].taken);
+        save_u32(s, seen[i].want);
+        save_u32(s, seen[i].dropped);
+        save_u32(s, seen[i].keep);
+    }
+}
+
+static void load_seen(Seen *seen, uint32_t n, Loading *l)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        seen[i].sum = load_double(l);
+        seen[i].squares = load_double(l);
+        for (int k = 0; k < SEEN_MARKS; k++)
+            seen[i].mark[k] = load_float(l);
+        seen[i].taken = load_u32(l);
+        seen[i].want = load_u32(l);
+        seen[i].dropped = load_u32(l);
+        seen[i].keep = load_u32(l);
+    }
+}
+
+void adaptive_save(const Adaptive *a, Saving *s)
+{
+    save_seen(a->seen, a->n, s);
+    save_seen(a->pilot, a->npilot, s);
+    for (size_t i = 0; i < (size_t)a->n * 2; i++)
+        save_float(s, a->room[i]);
+    for (uint32_t i = 0; i < a->film->tiles_y; i++)
+        save_double(s, a->way[i]);
+    save_u32(s, a->slice);
+    save_u32(s, (uint32_t)(a->step < STEP_MOST ? a->step : STEP_MOST));
+    save_double(s, a->level);
+    save_double(s, a->average);
+    save_double(s, a->expected);
+    for (int k = 0; k < 2; k++)
+        save_u32(s, a->done[k]);
+}
+
+bool adaptive_load(Adaptive *a, Loading *l)
+{
+    uint32_t step;
+
+    load_seen(a->seen, a->n, l);
+    load_seen(a->pilot, a->npilot, l);
+    for (size_t i = 0; i < (size_t)a->n * 2; i++)
+        a->room[i] = load_float(l);
+    for (uint32_t i = 0; i < a->film->tiles_y; i++)
+        a->way[i] = load_double(l);
+    a->slice = load_u32(l);
+    step = load_u32(l);
+    a->step = (int)(step < STEP_MOST ? step : STEP_MOST);
+    a->level = load_double(l);
+    a->average = load_double(l);
+    a->expected = load_double(l);
+    for (int k = 0; k < 2; k++)
+        a->done[k] = load_u32(l) != 0;
+    return !l->beyond && step <= STEP_MOST;
 }
 
 /* ---- the policy `none` ---- */

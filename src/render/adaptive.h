@@ -34,12 +34,15 @@ typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32
 /* Whether the render shall end as soon as the picture is whole. */
 typedef bool (*IsLate)(void *ctx);
 
+#define UNIT_DONE UINT32_MAX
+
 /* Who takes the samples: the driver, for one worker. */
 typedef struct {
     TakeSample take;
     IsLate  late;
     void   *ctx;
     Tracer *tracer;
+    uint32_t *done;             /* pixels of the unit that are behind, UNIT_DONE when all are */
 } Taker;
 
 typedef struct {
@@ -73,6 +76,7 @@ struct Adaptive {
     double   expected;          /* samples of the window in all, as far as one can tell; 0: not */
     Seen    *seen;              /* owned: of each pixel */
     float   *room;              /* owned: two a pixel, for plans */
+    double  *way;               /* owned: one a row of tiles, for those who go along them */
     Seen    *pilot;             /* owned: samples that are no part of the picture, or NULL */
     uint32_t npilot;
     uint32_t slice;             /* most samples of a pixel in this pass */
@@ -104,6 +108,9 @@ double adaptive_coming(const Adaptive *a);      /* samples of the next pass, abo
 void adaptive_take(Seen *s, Taker *t, uint32_t x, uint32_t y, uint32_t most, bool pilot);
 void seen_drop(Seen *s);        /* as if no sample had been taken */
 void adaptive_tile(Adaptive *a, uint32_t tile, Taker *t);       /* a pass of a tile of pixels */
+/* All that plans rest on, into a file and back. */
+void adaptive_save(const Adaptive *a, Saving *s);
+bool adaptive_load(Adaptive *a, Loading *l);    /* false: it does not fit, not reported */
 /* Every pixel shall have n samples at least. */
 void adaptive_want(Adaptive *a, uint32_t n);
 double adaptive_mean(const Adaptive *a);        /* of all samples of the window */

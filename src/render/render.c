@@ -4,46 +4,18 @@
  * Of camera samples a unit is a tile of pixels and a pass some samples of each; integrators say
  * themselves what the units of their own phases are. Order cannot matter: random numbers come from
  * the pixel and the sample's index, and the film's sums are exact. Budgets are looked at after
- * every unit, so an interrupt or a limit of time leaves a whole picture, some of whose tiles have
- * had a pass more than others. */
-#include "render/render.h"
+ * every unit and between the pixels of a tile, so an interrupt or a limit of time leaves a whole
+ * picture soon, some of whose pixels have had a pass more than others; what is done of each unit is
+ * noted, so that the rest may follow, now or another day (state.c). A share of a render has some of
+ * its samples, by number, or its own random numbers where samples build on each other. */
+#include "render/job.h"
 
 #include "base/clock.h"
-#include "base/progress.h"
 #include "base/work.h"
 
 #include <string.h>
 
 enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
-enum { SAMPLES = -1 };
-
-typedef struct {
-    const RenderSettings *settings;
-    const Scene *scene;
-    Integrator  *integrator;
-    Film        *film;
-    Filter       filter;
-    Canvas       canvas;                /* where splats go, if there are any */
-    bool         blurs;                 /* the scene moves while the shutter is open */
-    float        time;                  /* else: of all rays */
-    Tracer      *tracers;               /* one a worker */
-    Tally       *tallies;               /* one a worker; NULL: not wanted */
-    Adaptive     adaptive;
-    bool         adapts;                /* it says what is done; else all pixels get the same */
-    uint32_t     first, count;          /* samples of this pass */
-    double       so_far, coming;        /* samples a pixel: before this pass, and in it */
-    double       expected;              /* in all, as far as one can tell; 0: not */
-    uint32_t     pass;
-    int          phase;                 /* of the integrator; SAMPLES: camera samples */
-    uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
-    uint64_t     first_unit;            /* those before it are done */
-    int          looked_spp, looked_seconds;    /* entries of the watch that are behind */
-    bool         paused;                /* somebody wants to look */
-    uint64_t    *rays_seen, *shots_seen;        /* of each worker, counted already */
-    Progress     progress;
-    double       start, cpu;            /* clocks at the start, later by what looking took */
-    bool         ended;                 /* a budget or an interrupt ended it early */
-} Job;
 
 /* ---- units of camera samples ---- */
 
@@ -56,14 +28,14 @@ static void extra_values(const Job *j, Tracer *t, AovSample s, bool keep, Rgb *v
     s.first = keep && !j->film->counts[film_pixel(j->film, t->x, t->y)];
     if (s.first)
         s.middle = c->kind->ray(c, middle, (V2){ 0.5f, 0.5f }, j->time);
-    aov_values(j->settings->aovs, j->settings->naovs, &s, t, values);
+    aov_values(j->settings.aovs, j->settings.naovs, &s, t, values);
 }
 
 /* keep: it goes on the film. Returns its luminance, 0 of what is no number. */
 static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index, bool keep)
 {
     Job *j = ctx;
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
     const Camera *c = j->scene->camera;
     Rgb values[1 + AOVS_MAX];
     V2 off, lens = { 0, 0 };
@@ -92,47 +64,81 @@ static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_
     return film_takes(values[0]) ? rgb_lum(values[0]) : 0.0f;
 }
 
-static void camera_tile(Job *j, Tracer *t, uint32_t tile)
-{
-    uint32_t x0, y0, x1, y1;
-
-    film_tile(j->film, tile, &x0, &y0, &x1, &y1);
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++) {
-            sampler_pixel(&t->sampler, x, y);
-            for (uint32_t i = 0; i < j->count; i++)
-                camera_sample(j, t, x, y, j->first + i, true);
-        }
-}
-
+/* Asked for between pixels: a signal, the time that the render has, somebody who waits. */
 static bool is_late(void *ctx)
 {
     const Job *j = ctx;
-    const RenderSettings *s = j->settings;
-    return (s->stop && *s->stop) || (s->seconds > 0 && clock_wall() - j->start >= s->seconds);
+    const RenderSettings *s = &j->settings;
+    return (s->stop && *s->stop) || (j->pause_at < INFINITY && clock_wall() >= j->pause_at);
+}
+
+static void camera_tile(Job *j, Tracer *t, uint32_t tile, uint32_t *done)
+{
+    uint32_t x0, y0, x1, y1, w;
+
+    film_tile(j->film, tile, &x0, &y0, &x1, &y1);
+    w = x1 - x0;
+    while (*done < w * (y1 - y0)) {
+        uint32_t x = x0 + *done % w, y = y0 + *done / w;
+        sampler_pixel(&t->sampler, x, y);
+        for (uint32_t i = 0; i < j->count; i++)
+            camera_sample(j, t, x, y, j->base + j->first + i, true);
+        ++*done;
+        if (is_late(j))         /* not before, or somebody who is always late gets nowhere */
+            return;
+    }
+    *done = UNIT_DONE;
 }
 
 /* ---- the queue's side ---- */
+
+/* Passes of one sample are counted by samples, so that those of all shares have other numbers. */
+static uint32_t pass_number(const Job *j)
+{
+    return phases_are_anew(j->integrator->kind) ? j->base + j->pass : 0;
+}
+
+/* A unit that was run before the state was left, and is again for what it makes beside splats,
+ * gives no splats. */
+static void run_integrator(Job *j, uint64_t unit, Tracer *t)
+{
+    bool again = j->left_at && (j->phase != j->left_phase || j->left_at[unit] == UNIT_DONE);
+    const Canvas *canvas = t->canvas;
+    uint64_t shots = t->shots;
+
+    if (again)
+        t->canvas = NULL;
+    j->integrator->kind->run(j->integrator, j->film, pass_number(j), j->phase, unit, t);
+    t->canvas = canvas;
+    if (again)
+        t->shots = shots;
+}
 
 static void run_unit(void *ctx, uint64_t unit, int worker)
 {
     Job *j = ctx;
     Tracer *t = &j->tracers[worker];
+    uint32_t *done;
 
     unit += j->first_unit;
-    if (j->phase != SAMPLES)
-        j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
-    else if (j->adapts) {
-        Taker taker = { camera_sample, is_late, j, t };
+    done = &j->done[unit];
+    if (*done == UNIT_DONE)
+        return;
+    if (j->phase == SAMPLES && j->adapts) {
+        Taker taker = { camera_sample, is_late, j, t, done };
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
-    } else
-        camera_tile(j, t, (uint32_t)unit);
+    } else if (j->phase == SAMPLES)
+        camera_tile(j, t, (uint32_t)unit, done);
+    else {
+        run_integrator(j, unit, t);
+        *done = UNIT_DONE;
+    }
 }
 
 /* How far the whole render is, by the budget that is nearest to its end. */
 static double fraction_done(const Job *j, double pass_done)
 {
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
     double f = 0, g;
 
     if (j->expected > 0)
@@ -152,43 +158,81 @@ static void report_now(const Job *j, RenderReport *r)
                : j->film->splats ? j->film->splats->shots : film_samples(j->film);
     r->rays = j->rays;
     r->spp = !j->integrator->kind->radiance
-                 ? j->first : (double)r->samples / ((double)j->film->w * j->film->h);
-    r->interrupted = j->settings->stop && *j->settings->stop;
+                 ? j->first + (j->midway ? j->count : 0)
+                 : (double)r->samples / ((double)j->film->w * j->film->h);
+    r->interrupted = j->settings.stop && *j->settings.stop;
 }
 
 /* Somebody wants to see what there is by now. */
 static bool time_to_look(const Job *j)
 {
-    const RenderWatch *w = j->settings->watch;
+    const RenderWatch *w = j->settings.watch;
     return w && j->looked_seconds < w->nseconds &&
            clock_wall() - j->start >= w->seconds[j->looked_seconds];
 }
 
 static bool samples_to_look(const Job *j)
 {
-    const RenderWatch *w = j->settings->watch;
+    const RenderWatch *w = j->settings.watch;
     return w && j->looked_spp < w->nspp && j->first >= w->spp[j->looked_spp];
 }
 
-/* Between units, when no thread works. */
+/* ---- pauses: between units, when no thread works ---- */
+
 static void look(Job *j)
 {
-    const RenderWatch *w = j->settings->watch;
-    double wall, cpu;
+    const RenderWatch *w = j->settings.watch;
     RenderReport r;
 
-    j->paused = false;
     report_now(j, &r);
     while (j->looked_seconds < w->nseconds && r.seconds >= w->seconds[j->looked_seconds])
         j->looked_seconds++;
     while (samples_to_look(j))
         j->looked_spp++;
-    wall = clock_wall();
-    cpu = clock_cpu();
     if (!w->look(w->ctx, j->film, &r))
         j->ended = true;
+}
+
+static void keep(Job *j, bool last)
+{
+    const RenderKeeper *k = j->settings.keeper;
+    RenderReport r;
+
+    report_now(j, &r);
+    k->keep(k->ctx, j, j->film, &r, last);
+    j->keep_at = k->every > 0 ? clock_wall() + k->every : INFINITY;
+}
+
+/* What is done meanwhile is not counted as rendering. whole: between passes. */
+static void rest(Job *j, bool whole)
+{
+    double wall = clock_wall(), cpu = clock_cpu();
+    bool wanted = whole ? samples_to_look(j) || time_to_look(j)
+                        : j->pass && j->integrator->kind->radiance && time_to_look(j);
+
+    j->paused = false;
+    if (wall >= j->keep_at)
+        keep(j, false);
+    if (wanted)
+        look(j);
     j->start += clock_wall() - wall;
     j->cpu += clock_cpu() - cpu;
+}
+
+/* ---- units, phases, passes ---- */
+
+/* When units that have a say are to end early. */
+static void plan_pause(Job *j)
+{
+    double end = j->settings.seconds > 0 ? j->start + j->settings.seconds : INFINITY;
+
+    j->pause_at = j->midway && j->keep_at < end ? j->keep_at : end;
+}
+
+static bool out_of_time(const Job *j)
+{
+    const RenderSettings *s = &j->settings;
+    return (s->stop && *s->stop) || (s->seconds > 0 && clock_wall() - j->start >= s->seconds);
 }
 
 static void count_up(Job *j, int worker)
@@ -211,9 +255,10 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     progress_show(&j->progress, fraction_done(j, pass_done), j->so_far + j->coming * pass_done,
                   j->rays);
     j->integrator->failed = j->integrator->failed || j->tracers[worker].failed;
-    if (is_late(j) || j->integrator->failed)
+    if (out_of_time(j) || j->integrator->failed)
         j->ended = true;
-    else if (j->pass && j->integrator->kind->radiance && time_to_look(j))
+    else if ((j->midway && clock_wall() >= j->keep_at) ||
+             (j->pass && j->integrator->kind->radiance && time_to_look(j)))
         j->paused = true;
     return !j->ended && !j->paused;
 }
@@ -221,8 +266,37 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
 static uint64_t units_of(const Job *j)
 {
     if (j->phase != SAMPLES)
-        return j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
+        return j->integrator->kind->units(j->integrator, j->film, pass_number(j), j->phase);
     return j->adapts ? adaptive_units(&j->adaptive) : film_ntiles(j->film);
+}
+
+static void forget_left(Job *j)
+{
+    mem_free(j->left_at);
+    j->left_at = NULL;
+}
+
+/* What is done of the phase's units: nothing, or what was when the state was left. False:
+ * reported. */
+static bool begin_phase(Job *j, int phase)
+{
+    j->phase = phase;
+    j->phase_units = units_of(j);
+    j->first_unit = 0;
+    if (j->integrator->failed || j->phase_units > SIZE_MAX / sizeof *j->done ||
+        !mem_grow(&j->done, &j->cap_done, (size_t)j->phase_units + 1, sizeof *j->done))
+        return false;
+    memset(j->done, 0, (size_t)j->phase_units * sizeof *j->done);
+    j->midway = phase_lasts(j->integrator->kind, phase);
+    if (!j->left_at || phase != j->left_phase)
+        return true;
+    if (j->nleft != j->phase_units)
+        return err_at((Place){ j->settings.resume, 0, 0 }, "does not fit this render");
+    if (phase == last_stage(j->integrator->kind) || keeps_all(j->integrator->kind)) {
+        memcpy(j->done, j->left_at, (size_t)j->nleft * sizeof *j->done);
+        forget_left(j);
+    }
+    return true;
 }
 
 static void run_phase(Job *j, int phase)
@@ -230,34 +304,47 @@ static void run_phase(Job *j, int phase)
     Work w = { 0, run_unit, after_unit, NULL };
 
     w.ctx = j;
-    j->phase = phase;
-    j->phase_units = units_of(j);
-    j->paused = false;
-    for (j->first_unit = 0; j->first_unit < j->phase_units && !j->ended;) {
-        w.units = j->phase_units - j->first_unit;
-        j->first_unit += work_run(&w, j->settings->threads);
-        if (j->paused && !j->ended && j->first_unit < j->phase_units)
-            look(j);
+    if (!begin_phase(j, phase)) {
+        j->integrator->failed = j->ended = true;
+        return;
     }
-    j->first_unit = 0;
+    do {
+        if (j->paused)
+            rest(j, false);
+        plan_pause(j);
+        while (j->first_unit < j->phase_units && j->done[j->first_unit] == UNIT_DONE)
+            j->first_unit++;
+        w.units = j->phase_units - j->first_unit;
+        if (!j->ended)
+            work_run(&w, j->settings.threads);
+    } while (j->paused && !j->ended);
     j->ended = j->ended || j->integrator->failed;
+    if (!j->ended && phase == j->left_phase)
+        forget_left(j);
+}
+
+/* Of a state that was left midway, phases before its own are run again only for what they made. */
+static int first_phase(const Job *j)
+{
+    const IntegratorKind *k = j->integrator->kind;
+
+    if (!j->left_at || !keeps_all(k))
+        return 0;
+    return j->left_phase == SAMPLES ? k->phases : j->left_phase;
 }
 
 static void run_phases(Job *j)
 {
-    for (int phase = 0; phase < j->integrator->kind->phases && !j->ended; phase++)
+    for (int phase = first_phase(j); phase < j->integrator->kind->phases && !j->ended; phase++)
         run_phase(j, phase);
 }
-
-/* In every pass, as against once before all camera samples. */
-static bool phases_are_anew(const IntegratorKind *k) { return k->anew || !k->radiance; }
 
 /* What an integrator does before the first pass. False: reported. */
 static bool prepare(Job *j)
 {
     const IntegratorKind *k = j->integrator->kind;
 
-    if (k->prepare && !k->prepare(j->integrator, j->film, j->settings->seed))
+    if (k->prepare && !k->prepare(j->integrator, j->film, j->settings.seed))
         return false;
     if (!phases_are_anew(k))
         run_phases(j);
@@ -270,8 +357,8 @@ static uint32_t next_count(const Job *j)
     const IntegratorKind *k = j->integrator->kind;
     bool single = phases_are_anew(k) || k->splats;
     uint32_t n = j->pass == 0 || single ? 1 : j->first < PASS_MOST ? j->first : PASS_MOST;
-    uint32_t spp = j->settings->spp ? j->settings->spp : UINT32_MAX;
-    const RenderWatch *w = j->settings->watch;
+    uint32_t spp = j->settings.spp ? j->settings.spp : j->most;
+    const RenderWatch *w = j->settings.watch;
 
     if (w && j->looked_spp < w->nspp && w->spp[j->looked_spp] < spp)
         spp = w->spp[j->looked_spp];
@@ -282,7 +369,7 @@ static uint32_t next_count(const Job *j)
  * picture as a whole stops. */
 static bool good_enough(Job *j)
 {
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
     double e;
 
     if (!(s->error > 0) || j->first < j->adaptive.least)
@@ -298,25 +385,27 @@ static bool good_enough(Job *j)
  * seed gives, so that moments are spread evenly over the shutter's opening. */
 static void choose_moment(Job *j)
 {
-    Rng seed = rng_seed(j->settings->seed);
+    Rng seed = rng_seed(j->settings.seed);
+    uint32_t n = j->integrator->kind->moment(j->integrator, pass_number(j));
     float u = rng_unit(&seed), half = 0.5f;
 
-    for (uint32_t n = j->integrator->kind->moment(j->integrator, j->pass); n; n >>= 1, half *= 0.5f)
+    for (; n; n >>= 1, half *= 0.5f)
         u += n & 1 ? half : 0.0f;
     if (j->blurs)
         j->time = scene_time(j->scene, u < 1.0f ? u : u - 1.0f);
-    for (int i = 0; i < j->settings->threads; i++)
+    for (int i = 0; i < j->settings.threads; i++)
         j->tracers[i].moment = j->time;
 }
 
 static void run_passes(Job *j)
 {
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
     const IntegratorKind *k = j->integrator->kind;
 
     j->expected = s->spp;
-    while (!j->ended && (s->spp == 0 || j->first < s->spp)) {
-        j->count = next_count(j);
+    while (!j->ended && j->first < (s->spp ? s->spp : j->most)) {
+        if (!j->left_at)
+            j->count = next_count(j);
         j->so_far = j->first;
         j->coming = j->count;
         if (k->moment)
@@ -325,14 +414,15 @@ static void run_passes(Job *j)
             run_phases(j);
         if (k->radiance && !j->ended)
             run_phase(j, SAMPLES);
+        if (j->ended)
+            break;
         j->first += j->count;
         j->pass++;
-        j->paused = false;
-        if (k->splats && !j->ended)
+        j->midway = false;
+        if (k->splats)
             film_pass(j->film);
-        if (!j->ended && (samples_to_look(j) || time_to_look(j)))
-            look(j);
-        if (good_enough(j) || j->first == UINT32_MAX)
+        rest(j, true);
+        if (good_enough(j))
             break;
     }
 }
@@ -342,11 +432,12 @@ static void run_adaptive(Job *j)
 {
     Adaptive *a = &j->adaptive;
 
-    while (!j->ended && adaptive_next(a)) {
+    while (!j->ended && (j->left_at || adaptive_next(a))) {
         j->so_far = (double)adaptive_taken(a) / a->n;
         j->coming = adaptive_coming(a) / a->n;
         j->expected = a->expected / a->n;
         run_phase(j, SAMPLES);
+        j->midway = j->ended;
     }
 }
 
@@ -364,7 +455,7 @@ static float spread_of(const RenderSettings *s, const Camera *c)
 
 static bool adapt(Job *j)
 {
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
     bool can = s->adaptive && integrator_adapts(s->integrator);
     const AdaptiveKind *kind = can ? s->adaptive : &adaptive_none;
     Opts o;
@@ -373,13 +464,12 @@ static bool adapt(Job *j)
         o = s->adaptive_opts;
     else
         opts_default(&o, kind->info.options);
-    j->adapts = kind->plan != NULL;
     return adaptive_init(&j->adaptive, kind, &o, j->film, s->spp, s->error, s->seed);
 }
 
 static bool stretch_canvas(Job *j)
 {
-    const RenderSettings *s = j->settings;
+    const RenderSettings *s = &j->settings;
 
     j->canvas.film = j->film;
     j->canvas.filter = &j->filter;
@@ -387,9 +477,68 @@ static bool stretch_canvas(Job *j)
     return film_accepts_splats(j->film);
 }
 
-static bool job_init(Job *j, uint32_t *spp)
+/* ---- shares of a render ---- */
+
+/* Whether a pass builds on what passes before it have left behind: then a share is not some of the
+ * samples of the whole but a render of its own, with numbers of its own. */
+static bool has_own_numbers(const Job *j)
 {
-    const RenderSettings *s = j->settings;
+    const IntegratorKind *k = j->settings.integrator;
+    return j->adapts || (k->save && phases_are_anew(k));
+}
+
+/* The part i of n of so many; n at most as many. */
+static uint32_t part_of(uint32_t all, uint32_t i, uint32_t n)
+{
+    return (uint32_t)((uint64_t)all * (i + 1) / n) - (uint32_t)((uint64_t)all * i / n);
+}
+
+/* Its number of samples and its seed, before the sampler plans with them. False: reported. */
+static bool choose_own(Job *j)
+{
+    RenderSettings *s = &j->settings;
+
+    if (!s->shards)
+        return true;
+    if (s->spp && s->spp < s->shards)
+        return err_usage("--shard: %lu samples a pixel cannot be shared among %lu",
+                         (unsigned long)s->spp, (unsigned long)s->shards);
+    s->error *= sqrt(s->shards);
+    if (!has_own_numbers(j))
+        return true;
+    s->spp = part_of(s->spp, s->shard, s->shards);
+    s->seed = key_with(s->seed, (uint64_t)s->shards << 32 | s->shard);
+    return true;
+}
+
+/* Otherwise, which samples of the whole. Where nobody knows how many these are, each share has a
+ * run that is a power of two long and begins at a multiple of that, as patterns like it. */
+static void choose_samples(Job *j)
+{
+    RenderSettings *s = &j->settings;
+    uint32_t all = s->spp, run = 1;
+    int bits = 32;
+
+    j->planned = has_own_numbers(j) && s->shards ? j->asked->spp : all;
+    j->most = UINT32_MAX;
+    if (!s->shards || has_own_numbers(j))
+        return;
+    if (all) {
+        j->base = (uint32_t)((uint64_t)all * s->shard / s->shards);
+        s->spp = part_of(all, s->shard, s->shards);
+        return;
+    }
+    for (; run < s->shards; run *= 2)
+        bits--;
+    j->most = bits < 32 ? (uint32_t)1 << bits : UINT32_MAX;
+    j->base = bits < 32 ? s->shard << bits : 0;
+}
+
+/* ---- the job as a whole ---- */
+
+static bool init_tracers(Job *j)
+{
+    const RenderSettings *s = &j->settings;
     float spread = spread_of(s, j->scene->camera);
     int n = s->threads;
 
@@ -409,16 +558,35 @@ static bool job_init(Job *j, uint32_t *spp)
         j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
         j->tracers[i].canvas = s->integrator->splats ? &j->canvas : NULL;
     }
-    if (!sampler_init(&j->tracers[0].sampler, s->sampler, &s->sampler_opts, s->seed, spp))
+    return true;
+}
+
+static bool init_samplers(Job *j)
+{
+    RenderSettings *s = &j->settings;
+    Sampler *first = &j->tracers[0].sampler;
+
+    if (!choose_own(j) || !sampler_init(first, s->sampler, &s->sampler_opts, s->seed, &s->spp))
         return false;
-    for (int i = 1; i < n; i++)
-        j->tracers[i].sampler = j->tracers[0].sampler;
+    choose_samples(j);
+    for (int i = 1; i < s->threads; i++)
+        j->tracers[i].sampler = *first;
+    return true;
+}
+
+static bool job_init(Job *j)
+{
+    RenderSettings *s = &j->settings;
+
+    if (!init_tracers(j))
+        return false;
     filter_init(&j->filter, s->filter, &s->filter_opts);
     j->integrator = s->integrator->open(j->scene, &s->integrator_opts);
     if (!j->integrator)
         return false;
     j->integrator->kind = s->integrator;
-    return film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) &&
+    j->adapts = s->adaptive && s->adaptive->plan && integrator_adapts(s->integrator);
+    return init_samplers(j) && film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) &&
            (!s->integrator->splats || stretch_canvas(j)) && adapt(j);
 }
 
@@ -429,10 +597,12 @@ static void job_clear(Job *j)
     if (j->tracers)
         sampler_clear(&j->tracers[0].sampler);
     adaptive_clear(&j->adaptive);
+    job_clear_state(j);
     mem_free(j->tracers);
     mem_free(j->tallies);
     mem_free(j->rays_seen);
     mem_free(j->shots_seen);
+    mem_free(j->done);
 }
 
 /* A light that gives nothing, or none at all, is no error, but worth a word. */
@@ -461,34 +631,51 @@ static bool report_refused(const Film *f)
                          (unsigned long)index);
 }
 
+/* From the first sample on, or from where the state was left. False: reported. */
+static bool run(Job *j)
+{
+    const RenderKeeper *k = j->settings.keeper;
+
+    j->cpu += clock_cpu();
+    j->start += clock_wall();
+    j->keep_at = k && k->every > 0 ? clock_wall() + k->every : INFINITY;
+    if (!prepare(j))
+        return false;
+    if (j->pending && !j->ended && !job_take_state(j))
+        return false;
+    if (j->adapts)
+        run_adaptive(j);
+    else
+        run_passes(j);
+    if (j->integrator->failed)
+        return false;
+    if (k && !j->pending)
+        keep(j, true);
+    return true;
+}
+
 bool render(const Scene *scene, const RenderSettings *settings, Film *film, RenderReport *report)
 {
-    RenderSettings s = *settings;
     Job j;
     bool ok;
 
     memset(&j, 0, sizeof j);
     memset(film, 0, sizeof *film);
     memset(report, 0, sizeof *report);
-    j.settings = &s;
+    j.asked = settings;
+    j.settings = *settings;
     j.scene = scene;
     j.film = film;
-    scene->camera->kind->film(scene->camera, s.w, s.h);
+    scene->camera->kind->film(scene->camera, settings->w, settings->h);
     j.blurs = scene_blurs(scene);
     j.time = scene_time(scene, 0.0f);
-    ok = job_init(&j, &s.spp) && warn_if_dark(scene, j.integrator);
+    ok = job_init(&j) && warn_if_dark(scene, j.integrator) && job_find_state(&j);
     if (ok) {
         progress_start(&j.progress);
-        j.cpu = clock_cpu();
-        j.start = clock_wall();
-        ok = prepare(&j);
-        if (ok && j.adapts)
-            run_adaptive(&j);
-        else if (ok)
-            run_passes(&j);
+        ok = run(&j);
         report_now(&j, report);
         progress_end(&j.progress);
-        ok = ok && !j.integrator->failed && report_refused(film);
+        ok = ok && report_refused(film);
     }
     job_clear(&j);
     if (!ok)

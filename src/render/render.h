@@ -35,6 +35,7 @@ extern const AovInfo *const aovs[];                     /* ends with NULL */
 /* From "NAME=FILE", as "depth=FILE", "length:N=FILE". `text` is borrowed for the file's name.
  * False: usage error reported. */
 bool aov_parse(Aov *a, const char *text);
+enum { AOV_NAME = 64 };
 /* What it is called as a layer of a file ("length.2"), in name, and what its channels are there. */
 const char *aov_layer(const Aov *a, char *name, size_t room);
 const char *aov_channels(const Aov *a);
@@ -81,6 +82,17 @@ typedef struct {
     int nspp, nseconds;
 } RenderWatch;
 
+/* Somebody who keeps what there is, so that nothing is lost and the render can go on another day:
+ * called every so often seconds, between units, and once at the end, however that came; there is
+ * nobody to call before the first sample. Seconds are counted as by RenderWatch. */
+typedef struct Job Job;
+typedef struct {
+    void *ctx;
+    double every;               /* 0: at the end alone */
+    void (*keep)(void *ctx, const Job *state, const Film *film, const RenderReport *so_far,
+                 bool last);
+} RenderKeeper;
+
 typedef struct {
     const IntegratorKind *integrator;   Opts integrator_opts;
     const SamplerKind    *sampler;      Opts sampler_opts;
@@ -98,6 +110,11 @@ typedef struct {
     int      naovs;
     const volatile sig_atomic_t *stop;  /* nonzero: end soon; NULL: nobody asks */
     const RenderWatch *watch;           /* NULL: nobody looks */
+    const RenderKeeper *keeper;         /* NULL: nobody keeps anything */
+    uint64_t scene_digest;              /* of its files, for states */
+    const char *resume;                 /* state to go on from, or NULL; borrowed */
+    uint64_t max_file;                  /* bytes of that */
+    uint32_t shard, shards;             /* share number `shard` of so many; 0: the whole */
 } RenderSettings;
 
 /* What the command line asked for, as text; NULL or 0 where it said nothing. */
@@ -111,6 +128,8 @@ typedef struct {
     double   seconds, error;
     int      threads;
     uint64_t seed, max_pixels;
+    const char *resume;
+    uint32_t shard, shards;             /* from 0 on, of so many; 0: the whole */
 } RenderRequest;
 
 /* Command line before scene file before defaults. Fills the camera's film size. False: reported. */
@@ -132,5 +151,11 @@ bool settings_aovs_fit(RenderSettings *s);
 /* Renders into *film, which it makes (layer 0: the picture; 1 + k: aov k). The scene must be
  * built. False: reported, *film empty. */
 bool render(const Scene *scene, const RenderSettings *s, Film *film, RenderReport *report);
+
+/* ---- states and shares in files: see state.c ---- */
+
+/* Writes what a render has by now: the film, and what it needs to go on as if never stopped.
+ * False: reported, an old file is as it was. */
+bool state_write(const Job *j, const char *path);
 
 #endif

@@ -203,6 +203,9 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 {
     memset(s, 0, sizeof *s);
     s->threads = q->threads;
+    s->resume = q->resume;
+    s->shard = q->shard;
+    s->shards = q->shards;
     if (!resolve_spp(s, q, f) || !resolve_seed(s, q, f))
         return false;
     s->integrator = resolve(integrators, "integrator", q->integrator, &f->integrator,

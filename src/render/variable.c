@@ -62,6 +62,7 @@ static void run_pilot(Adaptive *a, uint32_t unit, Taker *t)
         adaptive_take(&a->pilot[k], t, a->film->x0 + i % a->film->w, a->film->y0 + i / a->film->w,
                       UINT32_MAX, true);
     }
+    *t->done = UNIT_DONE;
 }
 
 static uint32_t count(const Adaptive *a, double expected)
@@ -92,28 +93,37 @@ static double step_on(Adaptive *a, Taker *t, uint32_t x, uint32_t y, double *exp
     return deviation;
 }
 
+/* The pixel number i of the band that begins at row y0, with s_p = *way before it and after. */
+static void next_pixel(Adaptive *a, Taker *t, uint32_t y0, uint32_t i, double *way)
+{
+    const Film *f = a->film;
+    uint32_t y = y0 + i / f->w, x = (y - y0) % 2 ? f->x1 - 1 - i % f->w : f->x0 + i % f->w;
+    size_t pixel = film_pixel(f, x, y);
+    double expected = *way, given, deviation;
+
+    if (y > y0)
+        expected = 0.5 * (expected + (double)a->room[pixel - f->w]);
+    a->room[pixel] = (float)*way;
+    given = expected;
+    deviation = step_on(a, t, x, y, &expected);
+    if (expected != given)
+        *way = expected;
+    *way = 0.75 * *way + 0.25 * deviation;                          /* [Cline07 (5.8)] */
+}
+
 static void run_band(Adaptive *a, uint32_t band, Taker *t)
 {
     const Film *f = a->film;
-    uint32_t y0 = f->y0 + band * FILM_TILE, y1 = f->y1 - y0 > FILM_TILE ? y0 + FILM_TILE : f->y1;
-    double on_the_way = a->average;
+    uint32_t y0 = f->y0 + band * FILM_TILE, h = f->y1 - y0 > FILM_TILE ? FILM_TILE : f->y1 - y0;
 
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t i = 0; i < f->w; i++) {
-            uint32_t x = (y - y0) % 2 ? f->x1 - 1 - i : f->x0 + i;
-            size_t pixel = film_pixel(f, x, y);
-            double expected = on_the_way, given, deviation;
-            if (t->late(t->ctx))
-                return;
-            if (y > y0)
-                expected = 0.5 * (expected + (double)a->room[pixel - f->w]);
-            a->room[pixel] = (float)on_the_way;
-            given = expected;
-            deviation = step_on(a, t, x, y, &expected);
-            if (expected != given)
-                on_the_way = expected;
-            on_the_way = 0.75 * on_the_way + 0.25 * deviation;      /* [Cline07 (5.8)] */
-        }
+    if (*t->done == 0)
+        a->way[band] = a->average;
+    while (*t->done < f->w * h) {
+        next_pixel(a, t, y0, (*t->done)++, &a->way[band]);
+        if (t->late(t->ctx))
+            return;
+    }
+    *t->done = UNIT_DONE;
 }
 
 static void run(Adaptive *a, uint32_t unit, Taker *t)

@@ -46,5 +46,5 @@ const SamplerKind sampler_cmj = {
     .info = { "cmj", "Kensler13",
               "correlated multi-jittered: one sample a cell, row and column; any sample count",
               options },
-    .init = init, .start = pattern_start, .one = stratified_one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = stratified_one, .two = two
 };

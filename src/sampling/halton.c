@@ -104,5 +104,5 @@ static const OptDef options[] = {
 const SamplerKind sampler_halton = {
     .info = { "halton", "Cline07 4.5.5-6; Owen95",
               "radical inverses in prime bases, scrambled; any sample count", options },
-    .init = init, .start = pattern_start, .one = one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = one, .two = two
 };

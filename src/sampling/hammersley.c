@@ -47,5 +47,5 @@ const SamplerKind sampler_hammersley = {
     .info = { "hammersley", "Cline07 4.5.5-6",
               "i / N and a radical inverse, rotated, for each decision; any sample count that is "
               "known beforehand", options },
-    .init = init, .start = pattern_start, .one = one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = one, .two = two
 };

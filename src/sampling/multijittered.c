@@ -38,5 +38,5 @@ const SamplerKind sampler_multijittered = {
     .info = { "multijittered", "Cline07 4.5.4",
               "one sample in each cell, row and column; counts are rounded up to 3 or a "
               "product a b with a <= b <= 2 a", options },
-    .init = init, .start = pattern_start, .one = stratified_one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = stratified_one, .two = two
 };

@@ -34,5 +34,5 @@ static const OptDef options[] = {
 const SamplerKind sampler_nrooks = {
     .info = { "nrooks", "Cline07 4.5.4",
               "Latin hypercube: one sample a row and a column; any sample count", options },
-    .init = init, .start = pattern_start, .one = stratified_one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = stratified_one, .two = two
 };

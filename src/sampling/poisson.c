@@ -101,5 +101,6 @@ const SamplerKind sampler_poisson = {
     .info = { "poisson", "Cline07 4.5.3; Mitchell91",
               "Poisson disk: points keep a distance; any sample count, from sets of at most 1024",
               options },
-    .init = init, .clear = clear, .start = pattern_start, .one = stratified_one, .two = two
+    .plans = true, .init = init, .clear = clear, .start = pattern_start, .one = stratified_one,
+    .two = two
 };

@@ -89,3 +89,40 @@ Sampler primary_sampler(Primary *p)
     sampler_start(&s, 0);
     return s;
 }
+
+/* ---- in files ---- */
+
+void primary_save(const Primary *p, Saving *s)
+{
+    const PrimaryVector *v = &p->vector[p->now];
+
+    save_u32(s, v->n);
+    for (int i = 0; i < PRIMARY_SLOTS; i++)
+        save_u32(s, v->slots[i]);
+    for (uint32_t i = 0; i < v->n; i++) {
+        save_u64(s, v->numbers[i].key);
+        save_u32(s, v->numbers[i].u[0]);
+        save_u32(s, v->numbers[i].u[1]);
+    }
+}
+
+bool primary_load(Primary *p, Loading *l)
+{
+    PrimaryVector *v = &p->vector[p->now];
+
+    v->n = load_u32(l);
+    if (v->n > PRIMARY_MOST)
+        return false;
+    for (int i = 0; i < PRIMARY_SLOTS; i++) {
+        uint32_t slot = load_u32(l);
+        if (slot > v->n)
+            return false;
+        v->slots[i] = (uint16_t)slot;
+    }
+    for (uint32_t i = 0; i < v->n; i++) {
+        v->numbers[i].key = load_u64(l);
+        for (int k = 0; k < 2; k++)
+            v->numbers[i].u[k] = load_u32(l) & 0xFFFFFFu;
+    }
+    return !l->beyond;
+}

@@ -21,6 +21,7 @@
 #ifndef SAMPLING_PRIMARY_H
 #define SAMPLING_PRIMARY_H
 
+#include "base/archive.h"
 #include "sampling/sampler.h"
 
 enum { PRIMARY_MOST = 512, PRIMARY_SLOTS = 2 * PRIMARY_MOST, PRIMARY_KNOTS = 64 };
@@ -54,6 +55,10 @@ void primary_kernel(PrimaryKernel *k, float least, float largest);
 void primary_propose(Primary *p, uint64_t draw, bool large);
 /* The proposal becomes the present sample. */
 INLINE void primary_accept(Primary *p) { p->now ^= 1; }
+
+/* The present sample, into a file and back, as the present one of p. False: it does not fit. */
+void primary_save(const Primary *p, Saving *s);
+bool primary_load(Primary *p, Loading *l);
 
 /* A sampler that gives the proposal's numbers; copies of it give the same. Its streams are those of
  * sampler_pixel and sampler_start. */

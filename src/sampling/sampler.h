@@ -44,6 +44,7 @@ typedef struct {
      * any index may be asked for. False: reported, with nothing left to clear. NULL: nothing to
      * do. */
     bool (*init)(Sampler *s, const Opts *o, uint32_t *spp);
+    bool plans;                 /* numbers depend on how many samples are planned */
     void (*clear)(Sampler *s);  /* frees the state; NULL: it has none */
     /* After the index of a new sample is set. NULL: nothing to do. */
     void (*start)(Sampler *s);

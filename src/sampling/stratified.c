@@ -74,5 +74,5 @@ const SamplerKind sampler_stratified = {
     .info = { "stratified", "Cline07 4.5.2",
               "one sample in each cell of a grid, jittered; counts are rounded up to 3 or a "
               "product a b with a <= b <= 2 a", options },
-    .init = init, .start = pattern_start, .one = one, .two = two
+    .plans = true, .init = init, .start = pattern_start, .one = one, .two = two
 };

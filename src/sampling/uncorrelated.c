@@ -128,5 +128,5 @@ const SamplerKind sampler_uncorrelated = {
     .info = { "uncorrelated", "Shirley91 5.4.1",
               "uncorrelated jittering: strata of the pixel matched with those of each decision; "
               "counts are rounded up to a square", options },
-    .init = init, .start = start, .one = one, .two = two
+    .plans = true, .init = init, .start = start, .one = one, .two = two
 };
