@@ -21,6 +21,7 @@ void bench_direct(void);        /* figure 4.10 of the document, many lights, equ
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
 void bench_bias(void);          /* what says that it is biased: by how much */
+void bench_bidirectional(void); /* paths from both ends, after equal time */
 void bench_photons(void);       /* a million photons; neighbours; passes of sppm */
 void bench_indirect(void);      /* caches and photons against paths, after equal time */
 void bench_methods(void);       /* the three spheres by every method, on one sheet */

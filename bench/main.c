@@ -22,6 +22,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
     { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
+    { "bidirectional", bench_bidirectional },
 };
 
 static void machine(void)
