@@ -38,8 +38,8 @@ static void after(const Case *c, const Image ref[2])
     spp = (uint32_t)d_max(1, FEW * 20.0 / r.cpu_seconds);
     if (bench_render(c->scene, c->method, NULL, 0, spp, processors(), 1, &im, &r)) {
         double e = paired_relmse(&im, &ref[0], &ref[1]);
-        printf("bidirectional\t%s\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.5f\tscaled to 20 s %.5f\t"
-               "%s\n", c->scene, c->method, (unsigned long)spp, r.cpu_seconds, e,
+        printf("bidirectional\t%s\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.5f\tscaled to 20 s "
+               "%.5f\t%s\n", c->scene, c->method, (unsigned long)spp, r.cpu_seconds, e,
                e * r.cpu_seconds / 20, c->asked);
     }
     fflush(stdout);
@@ -57,7 +57,7 @@ void bench_bidirectional(void)
         if (!last || strcmp(last->scene, c->scene))
             for (uint64_t k = 0; k < 2; k++) {
                 image_clear(&ref[k]);
-                if (!bench_render(c->scene, c->reference, NULL, 0, 400, processors(), 77 + k,
+                if (!bench_render(c->scene, c->reference, NULL, 0, 128, processors(), 77 + k,
                                   &ref[k], &r))
                     return;
             }
