@@ -7,7 +7,7 @@
  *             share of them is: so all weights of a path add up to 1 by construction.
  * Pictures    Means of tiles over 16 runs, see pictures.h. */
 #include "geometry/generate.h"
-#include "integrators/bidirectional.h"
+#include "integrators/lightstore.h"
 #include "test/lamp_help.h"
 
 #include <math.h>
@@ -501,22 +501,23 @@ static void tank_by(const char *method, uint32_t spp)
 static void tank(void) { tank_by("bdpt:weights=balance", 16); }
 static void tank_vcm(void) { tank_by("vcm:share=0.001", 16); }
 
-/* Lamps of all kinds at once. */
+/* A closed one, where most of the light has been scattered more than once. */
 static void room(void)
 {
-    static const char *const methods[] = { "bdpt:weights=power",
-                                           "vcm:share=0.0003,weights=balance" };
+    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.002", "bpm:share=0.01" };
 
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 3; i++) {
+        Mesh walls;
         Lab l;
         lab_init(&l);
         lamp_add(&l, "ball");
         lamp_add(&l, "point");
-        lamp_add(&l, "picture");
         lamp_things(&l);
+        REQUIRE(mesh_box(&walls, v3(-4, -8, -0.1f), v3(4, 4, 5)), "memory");
+        lab_mesh(&l, &walls, lab_material(&l, "diffuse", "reflectance=0.8"), false);
         lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
         lab_build(&l);
-        expect_path(&l, methods[i], 3, 2, 0.15, methods[i]);
+        expect_path(&l, methods[i], 4, 8, i == 2 ? 0.08 : 0.05, methods[i]);
         lab_clear(&l);
     }
 }
@@ -543,6 +544,53 @@ static void glass(void)
         expect_path(&l, methods[i], 6, i == 4 ? 128 : 32, 0.15, methods[i]);
         lab_clear(&l);
     }
+}
+
+/* What is kept of a light path is the path. */
+static void kept(void)
+{
+    LightVertex path[DEPTH_MOST], again[DEPTH_MOST];
+    const SamplerKind *independent = kind_find(samplers, "random");
+    Bidirectional b = { 0 };
+    LightStore store;
+    uint32_t spp = 1;
+    Tracer t = { 0 };
+    long seen = 0;
+    Opts o, none;
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    l.scene->camera->kind->film(l.scene->camera, 32, 32);
+    lab_method(&l, "bdpt:maxdepth=6", &o);
+    opts_default(&none, independent->info.options);
+    t.scene = l.scene;
+    REQUIRE(bidirectional_open(&b, "test", l.scene, &o) && lightstore_init(&store, l.scene, 1500) &&
+            sampler_init(&t.sampler, independent, &none, 3, &spp), "memory");
+    for (uint64_t unit = 0; unit < lightstore_units(&store, 0, true); unit++)
+        lightstore_run(&store, &b, 5, 0, unit, &t);
+    for (uint32_t i = 0; i < 1500; i++) {
+        int n, m;
+        sampler_pixel(&t.sampler, i, 0);
+        sampler_start(&t.sampler, 5);
+        sampler_second(&t.sampler);
+        n = bidirectional_light(&b, 0.0f, path, &t);
+        m = lightstore_path(&store, i, again, &t);
+        EXPECT(n == m, "path %lu: %d vertices, %d were kept", (unsigned long)i, n, m);
+        for (int k = 0; k < n && k < m; k++, seen++) {
+            const LightVertex *x = &path[k], *y = &again[k];
+            EXPECT(v_len(v_sub(x->v.s.p, y->v.s.p)) <= 1e-5f && v_len(v_sub(x->d, y->d)) <= 1e-6f &&
+                   v_len(v_sub(x->v.wo, y->v.wo)) <= 1e-4f && x->edges == y->edges &&
+                   x->flux.g == y->flux.g && x->odds.early == y->odds.early &&
+                   x->medium == y->medium && x->v.s.shape == y->v.s.shape,
+                   "path %lu: vertex %d is another", (unsigned long)i, k);
+        }
+    }
+    EXPECT(seen > 300, "%ld vertices", seen);
+    lightstore_clear(&store);
+    bidirectional_clear(&b);
+    sampler_clear(&t.sampler);
+    lab_clear(&l);
 }
 
 /* ---- extra pictures ---- */
@@ -654,6 +702,7 @@ static void radius_falls(void)
 }
 
 const TestCase test_bidirectional[] = {
+    { "kept", kept, false },
     { "techniques", techniques_add_up, false },
     { "radii", radii, false },
     { "radius_falls", radius_falls, false },

@@ -1,6 +1,7 @@
 /* kindsets.c -- the code of `kindsets.h`. */
 #include "cli/kindsets.h"
 
+#include "image/denoise.h"
 #include "lightsampling/lightsampler.h"
 #include "render/render.h"
 #include "scenefile/scenefile.h"
@@ -22,6 +23,8 @@ const KindSet kind_sets[KIND_SETS] = {
     { "aovs", "", aovs },
     { "formats", "", image_formats },
     { "tonemaps", "--tonemap", tonemaps },
+    { "meters", "--auto-exposure", meters },
+    { "denoisers", "--denoise", denoisers },
 };
 
 const KindSet *kind_set_of(const char *option)

@@ -10,7 +10,7 @@ typedef struct {
     const void *list;
 } KindSet;
 
-enum { KIND_SETS = 14 };
+enum { KIND_SETS = 16 };
 extern const KindSet kind_sets[KIND_SETS];
 /* The set that the option of a command takes its value from, or NULL. */
 const KindSet *kind_set_of(const char *option);

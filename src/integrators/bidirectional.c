@@ -175,18 +175,19 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
     Particle p;
     Odds odds;
     V3 from;
-    int n = 0;
+    int n = 0, most = t->only && t->only->light < b->maxdepth ? t->only->light : b->maxdepth;
 
     t->shots++;
-    if (!leave(b, &p, time, &start, &odds, t))
+    if (most == 0 || !leave(b, &p, time, &start, &odds, t))
         return 0;
     from = start.e.p;
-    while (p.depth < b->maxdepth) {
+    while (p.depth < most) {
         LightVertex *y = &path[n];
         if (!arrive(b, &p, &start, &from, &odds, y, t))
             break;
         if (vertex_is_smooth(&y->v)) {
-            if (b->techniques.connects || b->joins == JOINS_LENS)
+            if ((b->techniques.connects || b->joins == JOINS_LENS) &&
+                tracer_makes(t, 0, y->edges, false))
                 show(b, y, t);
             n++;
         }
@@ -258,7 +259,9 @@ static Rgb implicit_light(const Bidirectional *b, const Eye *e, const Light *l, 
 {
     Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
 
-    return rgb_black(c) ? c : weighed(b, e, rivals_of_meeting(b, e, l, hit, cosine), c, 0, t);
+    if (rgb_black(c) || !tracer_makes(t, e->beam.depth + 1, 0, true))
+        return rgb_all(0.0f);
+    return weighed(b, e, rivals_of_meeting(b, e, l, hit, cosine), c, 0, t);
 }
 
 static Rgb implicit_sky(const Bidirectional *b, const Eye *e, Tracer *t)
@@ -456,10 +459,13 @@ static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Poin
 static Rgb connect_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
                        int n, Tracer *t)
 {
-    Rgb sum = ask(b, e, z, t);
+    Rgb sum = rgb_all(0.0f);
 
+    if (tracer_makes(t, e->beam.depth + 1, 0, false))
+        sum = ask(b, e, z, t);
     for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
-        sum = rgb_add(sum, connect(b, e, z, &path[i], t));
+        if (tracer_makes(t, e->beam.depth + 1, path[i].edges, false))
+            sum = rgb_add(sum, connect(b, e, z, &path[i], t));
     return sum;
 }
 
@@ -507,6 +513,8 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
     Eye e = eye_begin(b, r);
     Rgb sum = rgb_all(0.0f);
 
+    if (t->only && t->only->eye == 0)
+        return sum;
     for (;;) {
         Vertex z;
         float cosine, d2;
@@ -525,7 +533,7 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
         vertex_make(&z, b->scene, e.beam.ray.d);
         if (vertex_is_smooth(&z))
             sum = rgb_add(sum, join_all(b, &e, &z, path, n, t));
-        if (!go_on(b, &e, &z, t))
+        if ((t->only && e.beam.depth + 1 >= t->only->eye) || !go_on(b, &e, &z, t))
             return sum;
     }
 }

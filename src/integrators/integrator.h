@@ -74,6 +74,10 @@ typedef struct {
     float area;                 /* which counts so much there */
 } SplatList;
 
+/* A way of making paths: so many edges from the eye, so many from a lamp; between the two another,
+ * unless it is the eye's path that meets the lamp. */
+typedef struct { int eye, light; bool met; } Technique;
+
 /* One worker's tools. */
 typedef struct {
     const Scene *scene;         /* borrowed */
@@ -84,6 +88,7 @@ typedef struct {
     SplatList *held;            /* borrowed; not NULL: splats go there instead */
     float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
+    const Technique *only;      /* borrowed; not NULL: all other paths are left out */
     uint32_t x, y;              /* the pixel of the camera sample */
     bool     kept;              /* which the film takes: then no other worker is in its tile */
     float    moment;            /* time of all rays of the pass, if these have a `moment` */
@@ -130,6 +135,12 @@ INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
                    .tmax = INFINITY };
     r.time = from->time;
     return r;
+}
+
+INLINE bool tracer_makes(const Tracer *t, int eye, int light, bool met)
+{
+    const Technique *q = t->only;
+    return LIKELY(!q) || (q->eye == eye && q->light == light && q->met == met);
 }
 
 /* Keeps back what a path of `edges` edges, found by `how`, brings to the place; where memory runs
@@ -219,6 +230,7 @@ typedef struct {
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
     /* Tracers have a canvas. Whoever splats counts shots, too. */
     bool splats;
+    bool singles;               /* it can make paths by one technique alone, Tracer.only */
 
     /* Phases 0 .. phases-1 of units(...) units each; all units of a phase end before the next
      * begins. What a unit adds to the film must not depend on the order. They are run once, pass
