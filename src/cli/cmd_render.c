@@ -123,7 +123,7 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
     if (denoising_any(&l->outputs.denoising))
         note("%s: filtered, and so biased: it is no longer a mean of samples",
              l->outputs.pictures[0]);
-    note("%s%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
+    note("%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
          "estimated sigma/mu %s",
          l->outputs.n ? l->outputs.pictures[0] : l->state,
          r->interrupted ? " (interrupted)" : "", (double)r->samples / ((double)f->w * f->h),
