@@ -177,12 +177,28 @@ static void killed(void)
     killed_often("sppm:photons=500", 3, 16);
 }
 
-/* Every method, with 50 kills each. */
+/* Methods that have little in common. */
+static const char *const FOUR[] = { "path", "vcm", "pssmlt", "swarm" };
+
+static void killed_four(void)
+{
+    cli_scene();
+    for (int k = 0; k < 4; k++)
+        if (kind_find(integrators, FOUR[k]))
+            killed_often(FOUR[k], 50, 32);
+}
+
+/* And all others. */
 static void killed_all(void)
 {
     cli_scene();
-    for (int k = 0; integrators[k]; k++)
-        killed_often(integrators[k]->info.name, 50, 64);
+    for (int k = 0; integrators[k]; k++) {
+        bool other = !integrators[k]->unkept;
+        for (int i = 0; i < 4; i++)
+            other = other && strcmp(integrators[k]->info.name, FOUR[i]);
+        if (other)
+            killed_often(integrators[k]->info.name, 8, 16);
+    }
 }
 
 /* ---- shares ---- */
@@ -216,6 +232,7 @@ const TestCase test_cli_state[] = {
     { "full_disk", full_disk, false },
     { "full_for_a_moment", full_for_a_moment, false },
     { "killed", killed, false },
+    { "killed_four", killed_four, true },
     { "killed_all", killed_all, true },
     { "shards", shards, false },
     { NULL, NULL, false }

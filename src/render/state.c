@@ -123,7 +123,7 @@ bool job_identify(Job *j)
            say_kind(t, "accelerator", &s->accel->info, &s->accel_opts) &&
            say_kind(t, "adaptive", &j->adaptive.kind->info, &j->adaptive.opts) &&
            say_picture(t, s) && say_aim(t, j) &&
-           say(t, "seed %.0f\n", (double)s->seed) &&
+           say(t, "seed %llu\n", (unsigned long long)s->seed) &&
            (!s->shards || say(t, "shard %lu/%lu\n", (unsigned long)s->shard + 1,
                               (unsigned long)s->shards));
 }
