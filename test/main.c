@@ -32,8 +32,8 @@
     X(motion) X(cameras_we) X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \
-    X(whitted) X(distributed) X(splats) X(light) X(pointtree) X(photonmap) X(instantradiosity) \
-    X(pointgrid) X(progressive) X(irradiance) X(irradiancecache)
+    X(whitted) X(distributed) X(splats) X(chains) X(light) X(pointtree) \
+    X(photonmap) X(instantradiosity) X(pointgrid) X(progressive) X(irradiance) X(irradiancecache)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)
