@@ -2,6 +2,7 @@
 #include "integrators/integrator.h"
 
 #include "base/error.h"
+#include "base/mem.h"
 
 #define INTEGRATORS(X)                                                         \
     X(path)                     /* eye paths */                                \
@@ -15,7 +16,8 @@
     X(instantradiosity)         /* a few lights that stand for all */           \
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
-    X(irradiancecache)          /* indirect light interpolated */
+    X(irradiancecache)          /* indirect light interpolated */              \
+    X(pssmlt)                   /* chains of the numbers paths are made of */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
@@ -23,6 +25,30 @@ const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
 const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
+
+/* What comes to the same place of the same layers as the one before, is one with that. */
+void tracer_holds(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
+{
+    SplatList *l = t->held;
+    Splat s = { place, c, canvas_layers(t->canvas, edges, how) };
+    Splat *last = l->n ? &l->splats[l->n - 1] : NULL;
+
+    if (edges < l->least || rgb_black(c))
+        return;
+    if (last && last->layers == s.layers && last->place.x == place.x && last->place.y == place.y)
+        last->c = rgb_add(last->c, c);
+    else if (!MEM_PUSH(l->splats, l->n, l->cap, s))
+        t->failed = true;
+}
+
+void tracer_splat_list(Tracer *t, const SplatList *l, float weight)
+{
+    const Canvas *k = t->canvas;
+
+    for (size_t i = 0; i < l->n; i++)
+        film_splat(k->film, k->filter, l->splats[i].place, l->splats[i].layers,
+                   rgb_scale(l->splats[i].c, weight * canvas_pixels(k)));
+}
 
 bool warn_of_scattering(const Scene *s, const char *method)
 {

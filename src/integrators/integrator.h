@@ -47,6 +47,25 @@ typedef struct {
     uint32_t layers[TALLY_LENGTHS][STRATEGIES]; /* of the film, a bit each, for such paths */
 } Canvas;
 
+INLINE float canvas_pixels(const Canvas *k)             /* of the whole picture */
+{
+    return (float)k->film->full_w * (float)k->film->full_h;
+}
+
+/* Splats that are kept back, till somebody knows what they count; and so is what is tallied. */
+typedef struct {
+    V2  place;
+    Rgb c;                      /* as of tracer_splat */
+    uint32_t layers;
+} Splat;
+typedef struct {
+    Splat *splats;              /* owned */
+    size_t n, cap;
+    int   least;                /* paths of fewer edges are left out */
+    V2    place;                /* of what is tallied, */
+    float area;                 /* which counts so much there */
+} SplatList;
+
 /* One worker's tools. */
 typedef struct {
     const Scene *scene;         /* borrowed */
@@ -54,6 +73,7 @@ typedef struct {
     uint64_t rays;              /* cast so far, for progress */
     uint64_t shots;             /* so far, whose splats' mean is the picture */
     const Canvas *canvas;       /* borrowed; NULL: there is none */
+    SplatList *held;            /* borrowed; not NULL: splats go there instead */
     float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
     uint32_t x, y;              /* the pixel of the camera sample */
@@ -104,6 +124,17 @@ INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
     return r;
 }
 
+/* Keeps back what a path of `edges` edges, found by `how`, brings to the place; where memory runs
+ * out, the tracer has failed. */
+void tracer_holds(Tracer *t, V2 place, int edges, Strategy how, Rgb c);
+/* Puts all of a list on the canvas, times weight. */
+void tracer_splat_list(Tracer *t, const SplatList *l, float weight);
+
+INLINE uint32_t canvas_layers(const Canvas *k, int edges, Strategy how)
+{
+    return k->layers[edges < TALLY_LENGTHS ? edges : TALLY_LENGTHS - 1][how];
+}
+
 /* Adds a path of `edges` edges, found by `how`, to the tally. */
 INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
 {
@@ -113,6 +144,8 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
     sum = &t->tally->length[edges < TALLY_LENGTHS ? edges : TALLY_LENGTHS - 1];
     *sum = rgb_add(*sum, c);
     t->tally->strategy[how] = rgb_add(t->tally->strategy[how], c);
+    if (t->held)
+        tracer_holds(t, t->held->place, edges, how, rgb_scale(c, t->held->area));
 }
 
 /* A path of `edges` edges, found by `how`, brings c to the place, in pixels: the measurement that
@@ -120,14 +153,14 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
 INLINE void tracer_splat(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
 {
     const Canvas *k = t->canvas;
-    float pixels;
 
     if (!k || rgb_black(c))
         return;
-    pixels = (float)k->film->full_w * (float)k->film->full_h;
-    film_splat(k->film, k->filter, place,
-               k->layers[edges < TALLY_LENGTHS ? edges : TALLY_LENGTHS - 1][how],
-               rgb_scale(c, pixels));
+    if (UNLIKELY(t->held != NULL))
+        tracer_holds(t, place, edges, how, c);
+    else
+        film_splat(k->film, k->filter, place, canvas_layers(k, edges, how),
+                   rgb_scale(c, canvas_pixels(k)));
 }
 
 /* What the mean of a method's pictures is, as samples and as passes go to infinity. */

@@ -1,0 +1,277 @@
+/* pssmlt.c -- Metropolis light transport in the space of the numbers that paths are made of.
+ *
+ * Source      [Kelemen02], [Cline07 7.13; errata 7.13], [Veach97 11].
+ * Idea        Another method makes light of decisions, each answered by numbers in [0, 1). All its
+ *             numbers, and those that choose the place on the picture, the lens and the moment, are
+ *             the state of a chain: what it splats and what it sees along the ray of the eye is
+ *             f(x), the sum of luminances I(x). Small steps change all numbers a little, so that a
+ *             path that found much light is followed by many of its like; large ones, with a
+ *             probability that depends on nothing, are new samples. Both are symmetric (see
+ *             primary.h), so what has to be known of the other method is nothing at all.
+ * Weights     See chains.h.
+ * Direct      Light that was scattered once at most can be left to `path`, one sample a pixel and
+ *             pass, which covers the picture evenly; chains then leave out what has so few edges,
+ *             and spend their steps where they are needed. */
+#include "base/mem.h"
+#include "integrators/chains.h"
+#include "sampling/primary.h"
+
+#include <string.h>
+
+enum { DIRECT_EDGES = 2 };              /* of a path from the eye by a surface to a light */
+
+typedef struct {
+    Chains chains;
+    Integrator *over;           /* owned: makes the samples */
+    Integrator *direct;         /* owned: shows what they leave out; NULL: nothing */
+    PrimaryKernel kernel;
+    bool tallies;               /* light is held as it is tallied, since some is left out */
+    uint32_t x0, y0, w, h, full_w, full_h;      /* the film's window */
+} Pssmlt;
+
+typedef struct {
+    Chain base;
+    Primary primary;
+    SplatList light[2];         /* owned: as primary.vector */
+} Walk;
+
+/* ---- samples ---- */
+
+/* The place on the plane of the picture; *area: where it may be, all that a pixel's filter may look
+ * at, as a share of the picture. */
+static V2 place_of(const Pssmlt *it, Tracer *t, float *area)
+{
+    const Filter *f = t->canvas->filter;
+    float rx = (float)f->axis[0].radius - 0.5f, ry = (float)f->axis[1].radius - 0.5f;
+    float w = (float)it->w + 2.0f * rx, h = (float)it->h + 2.0f * ry;
+    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
+
+    *area = w * h / ((float)it->full_w * (float)it->full_h);
+    return (V2){ (float)it->x0 - rx + u.x * w, (float)it->y0 - ry + u.y * h };
+}
+
+static Ray eye_ray(const Scene *s, V2 place, Tracer *t)
+{
+    const Camera *c = s->camera;
+    V2 lens = { 0, 0 };
+    float u = 0.0f;
+
+    if (c->has_lens)
+        lens = sample_2d(&t->sampler, DECISION(DECIDE_LENS, 0));
+    if (scene_blurs(s))
+        u = sample_1d(&t->sampler, DECISION(DECIDE_TIME, 0));
+    return c->kind->ray(c, place, lens, scene_time(s, u));
+}
+
+/* Makes the sample that the chain's sampler proposes, and keeps back what light it brings. Returns
+ * its brightness. The tracer is as it was, but for the rays that were cast. */
+static float sample(const Pssmlt *it, Walk *w, Tracer *t)
+{
+    SplatList *l = &w->light[!w->primary.now];
+    Tracer was = *t;
+    Tally tally;
+    Ray r;
+    Rgb seen;
+    double sum = 0;
+
+    l->n = 0;
+    t->held = l;
+    t->sampler = primary_sampler(&w->primary);
+    t->x = it->x0;
+    t->y = it->y0;
+    t->kept = false;
+    l->place = place_of(it, t, &l->area);
+    r = eye_ray(it->chains.base.scene, l->place, t);
+    if (it->tallies)
+        memset(&tally, 0, sizeof tally);
+    t->tally = it->tallies ? &tally : NULL;
+    seen = it->over->kind->radiance(it->over, &r, t);
+    if (!it->tallies)
+        tracer_holds(t, l->place, 0, STRATEGY_IMPLICIT, rgb_scale(seen, l->area));
+    was.rays = t->rays;
+    was.failed = t->failed;
+    *t = was;
+    for (size_t i = 0; i < l->n; i++)
+        if (l->splats[i].layers & 1)
+            sum += chains_brightness(l->splats[i].c);
+    return (float)sum;
+}
+
+/* ---- what chains ask for ---- */
+
+static bool walk_init(Chains *cs, Chain *c)
+{
+    const Pssmlt *it = (const Pssmlt *)cs;
+    Walk *w = (Walk *)c;
+
+    w->primary.kernel = &it->kernel;
+    w->light[0].least = w->light[1].least = it->direct ? DIRECT_EDGES + 1 : 0;
+    return true;
+}
+
+static void walk_clear(Chain *c)
+{
+    mem_free(((Walk *)c)->light[0].splats);
+    mem_free(((Walk *)c)->light[1].splats);
+}
+
+static float walk_start(Chains *cs, Chain *c, uint64_t number, Tracer *t)
+{
+    Walk *w = (Walk *)c;
+    float brightness;
+
+    primary_propose(&w->primary, key_with(cs->seed, ~number), true);
+    brightness = sample((const Pssmlt *)cs, w, t);
+    primary_accept(&w->primary);
+    return brightness;
+}
+
+static void walk_step(Chains *cs, Chain *c, Tracer *t)
+{
+    Walk *w = (Walk *)c;
+    Rng rng = { key_with(c->key, c->steps), 0 };
+    bool large = rng_unit(&rng) < cs->kind.large;
+    const SplatList *proposed = &w->light[!w->primary.now], *present = &w->light[w->primary.now];
+    float brightness;
+    Step s;
+
+    primary_propose(&w->primary, rng_bits(&rng), large || c->brightness == 0.0f);
+    brightness = sample((const Pssmlt *)cs, w, t);
+    s = chain_steps(cs, c, brightness, chain_accepts(c, brightness), large, rng_unit(&rng));
+    if (s.left > 0)
+        tracer_splat_list(t, s.moves ? present : proposed, (float)s.left);
+    if (s.moves)
+        primary_accept(&w->primary);
+}
+
+static void walk_show(Chains *cs, Chain *c, float weight, Tracer *t)
+{
+    const Walk *w = (const Walk *)c;
+
+    (void)cs;
+    tracer_splat_list(t, &w->light[w->primary.now], weight);
+}
+
+/* ---- direct light apart ---- */
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    const Integrator *direct = ((const Pssmlt *)base)->direct;
+
+    return direct ? direct->kind->radiance(direct, r, t) : rgb_all(0.0f);
+}
+
+/* ---- opening ---- */
+
+static bool prepare(Integrator *base, const Film *f, uint64_t seed)
+{
+    Pssmlt *it = (Pssmlt *)base;
+    const IntegratorKind *k = it->over->kind;
+
+    it->x0 = f->x0;
+    it->y0 = f->y0;
+    it->w = f->w;
+    it->h = f->h;
+    it->full_w = f->full_w;
+    it->full_h = f->full_h;
+    it->tallies = it->direct || f->layers > 1;
+    return (!k->prepare || k->prepare(it->over, f, seed)) && chains_prepare(base, f, seed);
+}
+
+static void close_pssmlt(Integrator *base)
+{
+    Pssmlt *it = (Pssmlt *)base;
+
+    chains_clear(&it->chains);
+    if (it->over)
+        it->over->kind->close(it->over);
+    if (it->direct)
+        it->direct->kind->close(it->direct);
+    mem_free(it);
+}
+
+static bool has(const OptDef *defs, const char *key)
+{
+    while (defs && defs->key && strcmp(defs->key, key))
+        defs++;
+    return defs && defs->key;
+}
+
+/* Another integrator, with what it shares of these options. NULL: reported. */
+static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opts *o, int maxdepth)
+{
+    Integrator *other;
+    Opts own;
+
+    opts_default(&own, k->info.options);
+    if (has(k->info.options, "maxdepth"))
+        opt_set_number(&own, "maxdepth", maxdepth);
+    if (has(k->info.options, "roulette"))
+        opt_set_number(&own, "roulette", (double)opt_int(o, "roulette"));
+    other = k->open(s, &own);
+    if (other)
+        other->kind = k;
+    return other;
+}
+
+static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
+{
+    const char *name = opt_string(o, "over");
+    int maxdepth = (int)opt_int(o, "maxdepth");
+    const IntegratorKind *k = kind_find_at((Place){ NULL, 0, 0 }, integrators, "integrator", name);
+
+    if (!k)
+        return false;
+    if (!k->radiance || k->phases)
+        return err_usage("pssmlt: over=%s is made of more than single samples", name);
+    it->over = open_other(k, s, o, maxdepth);
+    if (it->over && opt_bool(o, "direct"))
+        it->direct = open_other(kind_find(integrators, "path"), s, o,
+                                maxdepth < DIRECT_EDGES - 1 ? maxdepth : DIRECT_EDGES - 1);
+    return it->over && (it->direct || !opt_bool(o, "direct"));
+}
+
+static Integrator *open_pssmlt(const Scene *s, const Opts *o)
+{
+    Pssmlt *it = MEM_NEW(Pssmlt);
+    ChainKind kind = { sizeof(Walk), opt_float(o, "large"), walk_init, walk_clear, walk_start,
+                       walk_step, walk_show };
+
+    if (!it)
+        return NULL;
+    it->chains.base.scene = s;
+    chains_open(&it->chains, &kind, o);
+    primary_kernel(&it->kernel, opt_float(o, "least"), opt_float(o, "largest"));
+    if (open_over(it, s, o))
+        return &it->chains.base;
+    close_pssmlt(&it->chains.base);
+    return NULL;
+}
+
+static const OptDef options[] = {
+    { .key = "over", .type = OPT_STRING, .str = "path",
+      .help = "the integrator whose samples are changed" },
+    { .key = "direct", .type = OPT_BOOL, .num = 1,
+      .help = "light scattered once at most is left to path, a sample for each pixel and pass" },
+    { .key = "large", .type = OPT_FLOAT, .num = 0.3, .lo = 0.001, .hi = 1,
+      .help = "share of steps to new samples" },
+    { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,
+      .help = "shortest move of a number in a small step" },
+    { .key = "largest", .type = OPT_FLOAT, .num = 1.0 / 64, .lo = 1e-6, .hi = 0.5,
+      .help = "longest one" },
+    CHAINS_OPTIONS,
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
+      .help = "most scattering events of a path; 0 shows lights only" },
+    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
+      .help = "first scattering event after which a path may end by chance" },
+    { .key = NULL }
+};
+
+const IntegratorKind integrator_pssmlt = {
+    .info = { "pssmlt", "Kelemen02; Cline07 7.13",
+              "Metropolis light transport: chains of the numbers that samples are made of", options },
+    .truth = CONSISTENT, .misses = "what the integrator misses whose samples it changes",
+    .splats = true, .open = open_pssmlt, .close = close_pssmlt, .prepare = prepare,
+    .radiance = radiance, .phases = CHAINS_PHASES, .anew = true,
+    .units = chains_units, .run = chains_run
+};
