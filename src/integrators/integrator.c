@@ -17,6 +17,7 @@
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
     X(irradiancecache)          /* indirect light interpolated */              \
+    X(mlt)                      /* chains of paths */              \
     X(pssmlt)                   /* chains of the numbers paths are made of */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
