@@ -33,22 +33,21 @@ Event ray_flies_through_media(Tracer *t, Ray *r, uint32_t *medium, float u, Rgb 
     return ESCAPES;
 }
 
-bool ray_meets(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Surface *s)
+bool ray_hits(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Hit *h, Surface *s)
 {
     const Scene *scene = t->scene;
-    Hit h;
 
     if (LIKELY(!scene->nmedia)) {
-        if (!tracer_nearest(t, r, &h))
+        if (!tracer_nearest(t, r, h))
             return false;
-        accel_surface(scene->accel, r, &h, s);
+        accel_surface(scene->accel, r, h, s);
         return true;
     }
     for (int n = 0; n < BORDERS_MOST; n++) {
-        Met met = scene_meets(scene, r, true, &h, s);
+        Met met = scene_meets(scene, r, true, h, s);
         t->rays++;
         if (*medium != NO_MEDIUM)
-            *left = rgb_mul(*left, medium_transmittance(&scene->media[*medium], h.t));
+            *left = rgb_mul(*left, medium_transmittance(&scene->media[*medium], h->t));
         if (rgb_black(*left))
             return false;
         if (met != MET_BORDER)

@@ -31,6 +31,11 @@ INLINE Event ray_flies(Tracer *t, Ray *r, uint32_t *medium, int depth, Rgb *thro
 
 /* The surface that ends the ray, which moves up to the last border, as *medium says; *left loses
  * what media take on the way. With media or without. False: none, or nothing is left. */
-bool ray_meets(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Surface *s);
+bool ray_hits(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Hit *h, Surface *s);
+INLINE bool ray_meets(Tracer *t, Ray *r, uint32_t *medium, Rgb *left, Surface *s)
+{
+    Hit h;
+    return ray_hits(t, r, medium, left, &h, s);
+}
 
 #endif

@@ -17,14 +17,16 @@
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
     X(irradiancecache)          /* indirect light interpolated */              \
-    X(mlt)                      /* chains of paths */              \
+    X(bdpt)                     /* paths from both ends, connected */          \
+    X(mlt)                      /* chains of paths */                          \
     X(pssmlt)                   /* chains of the numbers paths are made of */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)
 const IntegratorKind *const integrators[] = { INTEGRATORS(ENTRY) NULL };
 
-const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge" };
+const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens", "merge",
+                                               "connect" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
 /* What comes to the same place of the same layers as the one before, is one with that. */

@@ -31,6 +31,7 @@ typedef struct Integrator Integrator;
 typedef enum {
     STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_LENS,
     STRATEGY_MERGE,                     /* a path of light ends near one of the eye */
+    STRATEGY_CONNECT,                   /* one is joined to the other by an edge */
     STRATEGIES
 } Strategy;
 extern const char *const strategy_names[STRATEGIES];

@@ -4,8 +4,6 @@
  * Idea        A particle leaves a lamp and scatters by its surfaces' models. From each vertex a
  *             connection goes to a place on the lens; what gets through is splatted where the lens
  *             shows the vertex. Its caustics are smooth where those of `path` are specks.
- * Splat       With the flux F of the particle, wi the way to the lens and We, pdf_w of that way
- *             (see CameraSample), a vertex adds F f* |cos| We / pdf_w to the mean of all pixels.
  * Eye         What the lens sees of lamps with nothing on the way comes along the camera's own
  *             rays, so no connection has to begin on a lamp.
  * Misses      Whatever is seen in a mirror or through glass: no connection gets there, unless the
@@ -15,6 +13,7 @@
  *             covered as evenly as the sampler can, not only from pixel to pixel by chance. */
 #include "base/mem.h"
 #include "integrators/beam.h"
+#include "integrators/lens.h"
 #include "integrators/particle.h"
 
 typedef struct {
@@ -26,36 +25,14 @@ typedef struct {
 
 /* ---- the lens ---- */
 
-/* Shows the lens what goes to it from the point with this f* |cos|; edges: of the whole path. */
-static void splat(const CameraSample *c, const Surface *from, uint32_t medium, Rgb flux, int edges,
-                  Tracer *t)
-{
-    LightSample to = { .wi = c->wi, .dist = c->dist, .p = c->p };
-    Ray r = shadow_ray(from, &to);
-    Rgb sent = rgb_scale(flux, c->we / c->pdf_w);
-
-    if (!rgb_black(sent) && tracer_passes(t, &r, medium, &sent))
-        tracer_splat(t, c->pixel, edges, STRATEGY_LENS, sent);
-}
-
-static bool lens_from(const Particle *p, V3 from, Tracer *t, CameraSample *c)
-{
-    const Camera *camera = t->scene->camera;
-    V2 u = { 0, 0 };
-
-    if (camera->has_lens)
-        u = sample_2d(&t->sampler, DECISION(DECIDE_LENS, p->depth + 1));
-    return camera->kind->sample(camera, from, u, p->ray.time, c);
-}
-
 static void show_vertex(const Particle *p, const Vertex *v, Tracer *t)
 {
     CameraSample c;
     V3 local;
 
-    if (lens_from(p, v->s.p, t, &c) && vertex_local(v, c.wi, &local))
-        splat(&c, &v->s, medium_beyond(&v->s, c.wi, p->medium),
-              rgb_mul(p->flux, vertex_f_cos_of_light(v, c.wi, local)), p->depth + 2, t);
+    if (lens_from(v->s.p, p->ray.time, p->depth + 1, t, &c) && vertex_local(v, c.wi, &local))
+        lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, p->medium),
+                   rgb_mul(p->flux, vertex_f_cos_of_light(v, c.wi, local)), p->depth + 2, t);
 }
 
 static void show_place(const Particle *p, V3 at, Tracer *t)
@@ -63,10 +40,10 @@ static void show_place(const Particle *p, V3 at, Tracer *t)
     Surface s = { .p = at, .time = p->ray.time };
     CameraSample c;
 
-    if (lens_from(p, at, t, &c))
-        splat(&c, &s, p->medium,
-              rgb_scale(p->flux, phase_pdf_w(t->scene->media[p->medium].g, p->ray.d, c.wi)),
-              p->depth + 2, t);
+    if (lens_from(at, p->ray.time, p->depth + 1, t, &c))
+        lens_shows(&c, &s, p->medium,
+                   rgb_scale(p->flux, phase_pdf_w(t->scene->media[p->medium].g, p->ray.d, c.wi)),
+                   p->depth + 2, t);
 }
 
 /* ---- one light path ---- */

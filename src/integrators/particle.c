@@ -33,28 +33,37 @@ const Light *particle_leaves(Particle *p, const LightSampler *by, float time, Tr
     return p->first > 0.0f && place(p, s, l, e, time) ? l : NULL;
 }
 
-bool particle_scatters(Particle *p, const Vertex *v, Tracer *t)
+bool particle_samples(const Particle *p, const Vertex *v, Tracer *t, BsdfSample *s, V3 *local)
 {
     V2 u = { 0, 0 };
     float lobe = 0.0f;
-    BsdfSample s;
-    V3 local;
 
     if (v->b->flags & BSDF_LOBES)
         lobe = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, p->depth + 1));
     if (v->b->flags & BSDF_SMOOTH)
         u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, p->depth + 1));
-    if (!v->b->kind->sample(v->b, v->wo, lobe, u, true, &s))
+    if (!v->b->kind->sample(v->b, v->wo, lobe, u, true, s))
         return false;
-    local = s.wi;
-    if (!vertex_turns(v, &s))
-        return false;
-    p->flux = rgb_scale(rgb_mul(p->flux, s.weight), vertex_skew(v, s.wi, local));
-    p->ray = vertex_ray(v, s.wi);
-    p->medium = medium_beyond(&v->s, s.wi, p->medium);
-    p->deltas = p->deltas && s.pdf_w == 0.0f;
+    *local = s->wi;
+    return vertex_turns(v, s);
+}
+
+bool particle_turns(Particle *p, const Vertex *v, const BsdfSample *s, V3 local)
+{
+    p->flux = rgb_scale(rgb_mul(p->flux, s->weight), vertex_skew(v, s->wi, local));
+    p->ray = vertex_ray(v, s->wi);
+    p->medium = medium_beyond(&v->s, s->wi, p->medium);
+    p->deltas = p->deltas && s->pdf_w == 0.0f;
     p->depth++;
     return !rgb_black(p->flux);
+}
+
+bool particle_scatters(Particle *p, const Vertex *v, Tracer *t)
+{
+    BsdfSample s;
+    V3 local;
+
+    return particle_samples(p, v, t, &s, &local) && particle_turns(p, v, &s, local);
 }
 
 bool particle_scatters_within(Particle *p, V3 at, Tracer *t)

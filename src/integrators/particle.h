@@ -37,6 +37,9 @@ INLINE Event particle_flies(Particle *p, Surface *s, V3 *at, Tracer *t)
 
 /* Goes on from the vertex by chance, or from a place in a medium. False: absorbed. */
 bool particle_scatters(Particle *p, const Vertex *v, Tracer *t);
+/* In two steps: an event, s->wi of the world and *local, and the turn to it. */
+bool particle_samples(const Particle *p, const Vertex *v, Tracer *t, BsdfSample *s, V3 *local);
+bool particle_turns(Particle *p, const Vertex *v, const BsdfSample *s, V3 local);
 bool particle_scatters_within(Particle *p, V3 at, Tracer *t);
 
 /* Russian roulette: after so many events a particle goes on with the probability of what it has

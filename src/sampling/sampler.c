@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+enum { SECOND_PATH = 2 };
+
 #define SAMPLERS(X)                                                            \
     X(random)                   /* independent numbers */                      \
     X(zerotwo)                  /* (0,2)-sequences, scrambled */               \
@@ -44,6 +46,14 @@ void sampler_clear(Sampler *s)
 void sampler_pixel(Sampler *s, uint32_t x, uint32_t y)
 {
     s->pixel = key_with(s->seed, s->fixed ? 0 : (uint64_t)y << 32 | x);
+    s->second = false;
+}
+
+void sampler_second(Sampler *s)
+{
+    s->pixel = key_with(s->pixel, SECOND_PATH);
+    s->second = true;
+    sampler_start(s, s->index);
 }
 
 void sampler_start(Sampler *s, uint32_t index)

@@ -1,0 +1,418 @@
+/* bidirectional.c -- see bidirectional.h. */
+#include "integrators/bidirectional.h"
+
+#include "integrators/lens.h"
+
+#include <string.h>
+
+/* ---- densities of lamps ---- */
+
+static bool from_beyond(const Light *l)
+{
+    return l->kind->infinite || l->kind->delta == DELTA_DIRECTION;
+}
+
+/* The density with which the vertex asks the lamp for what comes along -wi: per solid angle, or 1
+ * of a delta. there: the lamp's surface, if it has any. */
+static float asked_pdf(const Bidirectional *b, const Light *l, V3 p, V3 up, V3 wi,
+                       const Surface *there)
+{
+    float pmf = b->asked->kind->pmf(b->asked, p, up, l);
+
+    return l->kind->delta ? pmf : pmf * light_pdf_w(l, b->beside, p, wi, there);
+}
+
+/* The same per area of the lamp, where it has one. n: its normal. */
+static float per_area(const Light *l, float pdf, V3 n, V3 wi, float d2)
+{
+    return l->kind->delta || l->kind->infinite ? pdf : pdf * v_absdot(n, wi) / d2;
+}
+
+/* The density with which the lamp sends a path from there the way d, per area and solid angle. */
+static float sent_pdf(const Bidirectional *b, const Light *l, const Surface *there, V3 d)
+{
+    float a, w;
+
+    l->kind->emit_pdf(l, there, d, &a, &w);
+    return b->sending->kind->pmf(b->sending, v_all(0.0f), v_all(0.0f), l) * a * w;
+}
+
+/* ---- the light's path ---- */
+
+/* How it began: what its second vertex asks about. */
+typedef struct {
+    const Light *lamp;
+    Emission e;
+    float pdf;                  /* of sending it */
+} Start;
+
+static bool leave(const Bidirectional *b, Particle *p, float time, Start *s, Odds *o, Tracer *t)
+{
+    const LightSampler *by = b->sending;
+    float cosine;
+
+    s->lamp = particle_leaves(p, by, time, t, &s->e);
+    if (!s->lamp)
+        return false;
+    s->pdf = by->kind->pmf(by, v_all(0.0f), v_all(0.0f), s->lamp) * s->e.pdf_a * s->e.pdf_w;
+    cosine = from_beyond(s->lamp) ? 1.0f : s->e.cosine;
+    *o = (Odds){ 0.0f, s->lamp->kind->delta ? 0.0f : raised(&b->techniques, cosine / s->pdf),
+                 0.0f };
+    return true;
+}
+
+/* How the lamp would have been asked by the second vertex, instead. */
+static float last_of_lamp(const Bidirectional *b, const Start *s, const Vertex *v, V3 d, float d2)
+{
+    Surface there = surface_at(s->e.p, s->e.err, s->e.n, s->e.uv);
+    float pdf;
+
+    if (!b->techniques.connects || !vertex_is_smooth(v))
+        return 0.0f;
+    pdf = asked_pdf(b, s->lamp, v->s.p, vertex_up(v), v_neg(d),
+                    s->lamp->kind->infinite ? NULL : &there);
+    return raised(&b->techniques, per_area(s->lamp, pdf, s->e.n, d, d2) / s->pdf);
+}
+
+/* On to the next surface, which *y then is. False: there is none. */
+static bool arrive(const Bidirectional *b, Particle *p, const Start *start, V3 *from, Odds *o,
+                   LightVertex *y, Tracer *t)
+{
+    V3 way;
+    float d2;
+
+    if (!ray_hits(t, &p->ray, &p->medium, &p->flux, &y->hit, &y->v.s))
+        return false;
+    vertex_make(&y->v, b->scene, p->ray.d);
+    way = v_sub(y->v.s.p, *from);
+    d2 = v_dot(way, way);
+    if (p->depth == 0) {
+        o->last = last_of_lamp(b, start, &y->v, p->ray.d, d2);
+        if (from_beyond(start->lamp))
+            d2 = 1.0f;
+    }
+    odds_arrive(o, &b->techniques, d2, v_absdot(y->v.s.ng, p->ray.d));
+    *from = y->v.s.p;
+    y->flux = p->flux;
+    y->odds = *o;
+    y->d = p->ray.d;
+    y->medium = p->medium;
+    y->edges = p->depth + 1;
+    return true;
+}
+
+static bool scatter(const Bidirectional *b, Particle *p, const Vertex *v, Odds *o, Tracer *t)
+{
+    BsdfSample s;
+    float cosine;
+    V3 local;
+
+    if (!particle_samples(p, v, t, &s, &local))
+        return false;
+    cosine = v_absdot(v->s.ng, s.wi);
+    if (s.pdf_w > 0.0f)
+        odds_scatter(o, &b->techniques, cosine, s.pdf_w, v->b->kind->pdf_w(v->b, local, v->wo),
+                     true);
+    else
+        odds_turn(o, &b->techniques, cosine);
+    return particle_turns(p, v, &s, local) && particle_survives(p, b->roulette, t);
+}
+
+/* Shows it to the lens: c->we / c->pdf_w |cos| is the density per area with which the eye's rays
+ * find the vertex, over that of the place on the lens. */
+static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
+{
+    const Techniques *q = &b->techniques;
+    const Vertex *v = &y->v;
+    CameraSample c;
+    float others;
+    Rgb sent;
+    V3 local;
+
+    if (!lens_from(v->s.p, v->s.time, y->edges, t, &c) || !vertex_local(v, c.wi, &local))
+        return;
+    sent = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
+    if (rgb_black(sent))
+        return;
+    others = raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
+             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first);
+    lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium),
+               rgb_scale(sent, odds_weight(others)), y->edges + 1, t);
+}
+
+int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, Tracer *t)
+{
+    Start start;
+    Particle p;
+    Odds odds;
+    V3 from;
+    int n = 0;
+
+    t->shots++;
+    if (!leave(b, &p, time, &start, &odds, t))
+        return 0;
+    from = start.e.p;
+    while (p.depth < b->maxdepth) {
+        LightVertex *y = &path[n];
+        if (!arrive(b, &p, &start, &from, &odds, y, t))
+            break;
+        if (vertex_is_smooth(&y->v)) {
+            if (b->techniques.connects)
+                show(b, y, t);
+            n++;
+        }
+        if (!scatter(b, &p, &y->v, &odds, t))
+            break;
+    }
+    return n;
+}
+
+/* ---- the eye's path ---- */
+
+typedef struct {
+    Beam beam;
+    V3   p, up;                 /* its last vertex, as lamps are asked from there */
+    Odds odds;                  /* before the ray arrives */
+} Eye;
+
+static Eye eye_begin(const Bidirectional *b, const Ray *r)
+{
+    const Camera *c = b->scene->camera;
+    Eye e = { .beam = beam_from_eye(r, b->scene), .p = r->o };
+    CameraView view;
+    float pdf;
+
+    if (b->techniques.connects && c->kind->view(c, r, &view)) {
+        pdf = c->parallel ? view.we : view.pdf_w;
+        e.odds.last = raised(&b->techniques, b->paths / pdf);
+    }
+    return e;
+}
+
+/* Weight of having met the lamp; cosine: at the lamp, 1 if it is beyond the scene. */
+static float implicit_weight(const Bidirectional *b, const Eye *e, const Light *l,
+                             const Surface *hit, float cosine)
+{
+    const Techniques *q = &b->techniques;
+    V3 d = e->beam.ray.d;
+    float others;
+
+    if (e->beam.depth == 0)
+        return 1.0f;
+    others = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f) *
+             (e->odds.early + raised(q, q->eta) * e->odds.merged);
+    if (e->odds.last > 0.0f)
+        others += raised(q, asked_pdf(b, l, e->p, e->up, d, hit)) * e->odds.last;
+    return odds_weight(others);
+}
+
+static Rgb implicit_light(const Bidirectional *b, const Eye *e, const Light *l, const Surface *hit,
+                          float cosine, Tracer *t)
+{
+    Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
+
+    if (rgb_black(c))
+        return c;
+    c = rgb_scale(c, implicit_weight(b, e, l, hit, cosine));
+    tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
+    return c;
+}
+
+static Rgb implicit_sky(const Bidirectional *b, const Eye *e, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    for (size_t i = 0; i < b->scene->ninfinite; i++)
+        sum = rgb_add(sum, implicit_light(b, e, b->scene->infinite[i], NULL, 1.0f, t));
+    return sum;
+}
+
+/* ---- joining ---- */
+
+/* What the eye's vertex says of a direction: f |cos|, and densities of going that way and, coming
+ * from there, of going back to where it was seen from. False: nothing. */
+typedef struct { Rgb f_cos; float forth, back, cosine; } Seen;
+
+static bool see(const Vertex *v, V3 wi, Seen *s)
+{
+    V3 local;
+
+    if (!vertex_local(v, wi, &local))
+        return false;
+    s->f_cos = vertex_f_cos(v, local);
+    if (rgb_black(s->f_cos))
+        return false;
+    s->forth = vertex_pdf_w(v, local);
+    s->back = v->b->kind->pdf_w(v->b, local, v->wo);
+    s->cosine = v_absdot(v->s.ng, wi);
+    return true;
+}
+
+/* Of the vertex where the eye's path is. */
+static bool merges_here(const Bidirectional *b, const Eye *e)
+{
+    return b->techniques.first || e->beam.depth > 0;
+}
+
+static Rgb join(const Eye *e, const Vertex *z, V3 wi, Ray *r, Rgb c, int edges, Strategy how,
+                Tracer *t)
+{
+    if (!tracer_passes(t, r, medium_beyond(&z->s, wi, e->beam.medium), &c))
+        return rgb_all(0.0f);
+    tracer_tally(t, edges, how, c);
+    return c;
+}
+
+static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
+{
+    const Techniques *q = &b->techniques;
+    float u = b->scene->nlights > 1 ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth))
+                                    : 0.0f;
+    float pmf, left, pdf, d2, others;
+    V3 up = vertex_up(z);
+    const Light *l = b->asked->kind->pick(b->asked, z->s.p, up, u, &pmf, &left);
+    LightSample ls;
+    Surface there;
+    Seen s;
+    Rgb c;
+    Ray r;
+
+    if (!l || !light_sample(l, b->beside, z->s.p,
+                            sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
+                            &ls) || !see(z, ls.wi, &s))
+        return rgb_all(0.0f);
+    there = surface_at(ls.p, ls.err, ls.n, (V2){ 0, 0 });
+    pdf = pmf * ls.pdf_w;
+    d2 = from_beyond(l) ? 1.0f : ls.dist * ls.dist;
+    others = raised(q, sent_pdf(b, l, &there, v_neg(ls.wi)) * s.cosine /
+                       (d2 * per_area(l, pdf, ls.n, ls.wi, d2))) *
+             odds_at(&e->odds, q, s.back, merges_here(b, e));
+    if (!l->kind->delta)
+        others += raised(q, s.forth / pdf);
+    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), odds_weight(others) / pdf);
+    r = shadow_ray(&z->s, &ls);
+    return join(e, z, ls.wi, &r, c, e->beam.depth + 2, STRATEGY_EXPLICIT, t);
+}
+
+static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *y,
+                   Tracer *t)
+{
+    const Techniques *q = &b->techniques;
+    V3 way = v_sub(y->v.s.p, z->s.p), wi, local;
+    float d2 = v_dot(way, way), others, cosine;
+    LightSample to;
+    Seen s;
+    Rgb c;
+    Ray r;
+
+    if (!(d2 > 0.0f))
+        return rgb_all(0.0f);
+    wi = v_scale(way, 1.0f / sqrtf(d2));
+    if (!vertex_local(&y->v, v_neg(wi), &local) || !see(z, wi, &s))
+        return rgb_all(0.0f);
+    c = rgb_mul(rgb_mul(e->beam.throughput, s.f_cos),
+                rgb_mul(y->flux, vertex_f_cos_of_light(&y->v, v_neg(wi), local)));
+    if (rgb_black(c))
+        return c;
+    cosine = v_absdot(y->v.s.ng, wi);
+    others = raised(q, s.forth * cosine / d2) *
+                 odds_at(&y->odds, q, y->v.b->kind->pdf_w(y->v.b, local, y->v.wo), true) +
+             raised(q, vertex_pdf_w(&y->v, local) * s.cosine / d2) *
+                 odds_at(&e->odds, q, s.back, merges_here(b, e));
+    to = (LightSample){ .wi = wi, .dist = sqrtf(d2), .p = y->v.s.p, .err = y->v.s.err,
+                        .n = y->v.s.ng };
+    r = shadow_ray(&z->s, &to);
+    return join(e, z, wi, &r, rgb_scale(c, odds_weight(others) / d2),
+                e->beam.depth + 2 + y->edges, STRATEGY_CONNECT, t);
+}
+
+static Rgb join_all(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *path,
+                    int n, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    if (!b->techniques.connects)
+        return sum;
+    sum = ask(b, e, z, t);
+    for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
+        sum = rgb_add(sum, connect(b, e, z, &path[i], t));
+    return sum;
+}
+
+/* ---- the eye's path, from event to event ---- */
+
+static bool go_on(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
+{
+    BsdfSample s;
+    float cosine;
+    V3 local;
+
+    if (!vertex_sample(z, t, e->beam.depth, &s))
+        return false;
+    cosine = v_absdot(z->s.ng, s.wi);
+    local = frame_in(&z->frame, s.wi);
+    if (s.pdf_w > 0.0f)
+        odds_scatter(&e->odds, &b->techniques, cosine, s.pdf_w,
+                     z->b->kind->pdf_w(z->b, local, z->wo), merges_here(b, e));
+    else
+        odds_turn(&e->odds, &b->techniques, cosine);
+    e->p = z->s.p;
+    e->up = vertex_up(z);
+    beam_turn(&e->beam, z, &s);
+    return beam_survives(&e->beam, b->roulette, t);
+}
+
+Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *path, int n,
+                       Tracer *t)
+{
+    Eye e = eye_begin(b, r);
+    Rgb sum = rgb_all(0.0f);
+
+    for (;;) {
+        Vertex z;
+        float cosine, d2;
+        V3 way;
+        if (!beam_meets(&e.beam, &z.s, t))
+            return rgb_add(sum, implicit_sky(b, &e, t));
+        cosine = v_absdot(z.s.ng, e.beam.ray.d);
+        if (z.s.shape->light != NO_LIGHT)
+            sum = rgb_add(sum, implicit_light(b, &e, scene_light_of(b->scene, &z.s), &z.s, cosine,
+                                              t));
+        if (e.beam.depth >= b->maxdepth)
+            return sum;
+        way = v_sub(z.s.p, e.p);
+        d2 = e.beam.depth == 0 && b->scene->camera->parallel ? 1.0f : v_dot(way, way);
+        odds_arrive(&e.odds, &b->techniques, d2, cosine);
+        vertex_make(&z, b->scene, e.beam.ray.d);
+        if (vertex_is_smooth(&z))
+            sum = rgb_add(sum, join_all(b, &e, &z, path, n, t));
+        if (!go_on(b, &e, &z, t))
+            return sum;
+    }
+}
+
+/* ---- opening ---- */
+
+bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, const Opts *o)
+{
+    b->scene = s;
+    b->maxdepth = (int)opt_int(o, "maxdepth");
+    b->roulette = (int)opt_int(o, "roulette");
+    b->techniques.heuristic = opt_is(o, "weights", "power")     ? HEURISTIC_POWER
+                              : opt_is(o, "weights", "balance") ? HEURISTIC_BALANCE
+                                                                : HEURISTIC_UNIFORM;
+    b->techniques.connects = true;
+    /* a count of techniques has to know which can make a path: what one leaves to others can't be
+     * told */
+    b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
+    b->paths = 1.0f;
+    b->asked = lightsampler_open(opt_string(o, "lightsampler"), s);
+    b->sending = lightsampler_open("power", s);
+    return b->asked && b->sending && warn_of_scattering(s, name);
+}
+
+void bidirectional_clear(Bidirectional *b)
+{
+    lightsampler_close(b->asked);
+    lightsampler_close(b->sending);
+}

@@ -1,0 +1,74 @@
+/* bidirectional.h -- a path from a lamp, a path from the eye, and all ways of joining them: what
+ * bdpt, bpm and vcm share.
+ *
+ * Source      [Cline07 7.9, fig. 7.18], [GIRT 2.2.3, (2.59) to (2.65), 2.3.5, 3, alg. 5; errata 4,
+ *             7.9], [Veach97 10], [Georgiev12].
+ * Ways        The eye's path meets a lamp (implicit), asks one (explicit: its own choice, not the
+ *             point where the light path began), is connected to each vertex of a light path, or
+ *             merged with vertices of all of them; each vertex of a light path is shown to the
+ *             lens. What each way brings is weighed by odds.h. Lamps in plain view are met only.
+ * Connection  between a vertex y of flux F, n paths, and one z of throughput T:
+ *                 T f(z) |cos z| F f*(y) |cos y| / |y - z|^2
+ * Merger      T f(z) F |cos ns| / |cos ng| / (pi r^2 n), with f at the eye's vertex (errata 4.5).
+ * Density     of asking a lamp may depend on who asks (by solid angle, by contribution): so it is
+ *             taken at the second vertex of a light path, when that is known.
+ * Visibility  is what connections cost. Those that bring little are tried by chance only
+ *             ([Cline07 7.9.2]): see `little`.
+ * Media       take light away; what they scatter is left out, with a warning. */
+#ifndef INTEGRATORS_BIDIRECTIONAL_H
+#define INTEGRATORS_BIDIRECTIONAL_H
+
+#include "integrators/beam.h"
+#include "integrators/lighting.h"
+#include "integrators/odds.h"
+#include "integrators/particle.h"
+
+enum { DEPTH_MOST = 255 };              /* most scattering events of a path */
+
+/* Of a light path, where it may be joined. */
+typedef struct {
+    Vertex   v;
+    Rgb      flux;
+    Odds     odds;
+    V3       d;                 /* unit, the way the light came */
+    Hit      hit;               /* the same point, for those who keep it */
+    uint32_t medium;            /* it came through */
+    int      edges;             /* from the lamp */
+} LightVertex;
+
+typedef struct LightStore LightStore;
+
+typedef struct {
+    const Scene *scene;         /* borrowed */
+    LightSampler *asked;        /* owned: which lamp is asked */
+    LightSampler *sending;      /* owned: which one sends a path, by power */
+    Techniques techniques;
+    int   maxdepth, roulette;
+    bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
+    float paths;                /* of light, for each of the eye's that a whole picture has */
+    const LightStore *store;    /* borrowed: what is merged with; NULL: nothing */
+} Bidirectional;
+
+/* Of a zeroed *b, by the options below. False: reported, not cleared. */
+bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, const Opts *o);
+void bidirectional_clear(Bidirectional *b);
+
+/* A path from a lamp, by the tracer's sampler: its vertices are shown to the lens, and written down
+ * where they are no deltas. Returns how many: at most maxdepth. */
+int  bidirectional_light(const Bidirectional *b, float time, LightVertex *path, Tracer *t);
+
+/* What comes along a camera sample's ray, by a path from the eye joined with that one. */
+Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *path, int n,
+                        Tracer *t);
+
+#define BIDIRECTIONAL_OPTIONS                                                  \
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = DEPTH_MOST, \
+      .help = "most scattering events of a path; 0 shows lights only" },       \
+    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth", \
+      .help = "scattering event of each of the two paths after which it may end by chance" }, \
+    { .key = "weights", .type = OPT_CHOICE, .str = "balance",                  \
+      .choices = "balance power uniform",                                      \
+      .help = "of the ways in which a path can be made; uniform: all alike, which is noisier" }, \
+    LIGHTING_LIGHTSAMPLER
+
+#endif
