@@ -19,6 +19,7 @@
     X(irradiancecache)          /* indirect light interpolated */              \
     X(bdpt)                     /* paths from both ends, connected */          \
     X(mlt)                      /* chains of paths */                          \
+    X(erpt)                     /* samples spread by such chains */            \
     X(pssmlt)                   /* chains of the numbers paths are made of */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,

@@ -262,6 +262,14 @@ bool path_turned_round(LightPath *p, int last, const CameraSample *c)
     return last + 1 == p->edges || scatters(&p->v[last + 1]);
 }
 
+bool path_is_direct(const LightPath *p)
+{
+    for (int i = 1; i + 1 < p->edges; i++)
+        if (path_vertex_is_smooth(&p->v[i]))
+            return false;
+    return true;
+}
+
 /* ---- copies ---- */
 
 void path_shares(LightPath *y, const LightPath *x)

@@ -27,7 +27,7 @@
 #include "integrators/event.h"
 #include "integrators/vertex.h"
 
-enum { LIGHTPATH_MOST = 64 };           /* edges */
+enum { LIGHTPATH_MOST = 32 };           /* edges */
 enum { EVENT_SMOOTH = 0 };              /* others: side and number of a delta event */
 
 typedef struct {
@@ -113,6 +113,9 @@ bool path_turned_round(LightPath *p, int last, const CameraSample *c);
 
 /* Sets the colour from all factors. False: it is black, or no number. */
 bool path_colours(LightPath *p);
+
+/* Whether it is among those of the integrator `direct`: no event but the last is smooth. */
+bool path_is_direct(const LightPath *p);
 
 /* ---- copies ---- */
 

@@ -63,22 +63,13 @@ static void clear_chain(Chain *base) { mem_free(((PathChain *)base)->storage); }
 
 /* ---- what counts ---- */
 
-/* What `direct` finds: no event but the last is smooth. */
-static bool is_direct(const LightPath *p)
-{
-    for (int i = 1; i + 1 < p->edges; i++)
-        if (path_vertex_is_smooth(&p->v[i]))
-            return false;
-    return true;
-}
-
 /* The luminance that a path brings to the mean of the picture. */
 static double brightness(const Mlt *it, const LightPath *p, double scale, const Tracer *t)
 {
     Places where = mutator_places(&it->mutator, t);
     double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->pixels);
 
-    return (it->direct && is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
+    return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
 }
 
 static void anywhere(const Mlt *it, LightPath *p, Tracer *t)
@@ -195,17 +186,6 @@ static double renewed(const Mlt *it, PathChain *c, LightPath *y, Rng *r, Tracer 
     return light < now ? light / now : 1.0;
 }
 
-static double moved(const Mlt *it, PathChain *c, LightPath *y, Rng *r, Tracer *t)
-{
-    Mutation m = mutation_chosen(&it->mutator, &c->x, rng_unit(r));
-    double ratio;
-
-    if (m == MUTATIONS)
-        return 0.0;
-    ratio = mutated(&it->mutator, m, &c->x, y, c->rooms, r, t);
-    return ratio < 1.0 ? ratio : 1.0;
-}
-
 static void show_path(const LightPath *p, double weight, Tracer *t)
 {
     tracer_splat(t, p->pixel, p->edges, STRATEGY_EXPLICIT,
@@ -229,7 +209,7 @@ static void step(Chains *cs, Chain *base, Tracer *t)
 
     base->brightness = base->brightness > 0.0f;
     a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &r, t)
-                                                             : moved(it, c, &y, &r, t);
+            : mutation_tried(&it->mutator, &c->x, &y, c->rooms, &r, t);
     s = chain_steps(cs, base, a > 0.0, (float)a, false, rng_unit(&r));
     if (s.left > 0.0)
         show_path(s.moves ? &c->x : &y, s.left, t);

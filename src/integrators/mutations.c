@@ -275,6 +275,14 @@ double mutated(const Mutator *it, Mutation m, const LightPath *x, LightPath *y,
     return from > 0.0 ? mutation_worth(m, y, c) / from : 0.0;
 }
 
+double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
+                      Rng *r, Tracer *t)
+{
+    Mutation m = mutation_chosen(it, x, rng_unit(r));
+
+    return m == MUTATIONS ? 0.0 : d_min(mutated(it, m, x, y, rooms, r, t), 1.0);
+}
+
 /* ---- options ---- */
 
 void mutator_init(Mutator *it, const Scene *s, const Opts *o)

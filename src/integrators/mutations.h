@@ -63,6 +63,10 @@ Mutation mutation_chosen(const Mutator *it, const LightPath *p, float u);
 double mutated(const Mutator *it, Mutation m, const LightPath *x, LightPath *y,
                Vertex *const *rooms, Rng *r, Tracer *t);
 
+/* One move by some mutation: its probability to be accepted. */
+double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
+                      Rng *r, Tracer *t);
+
 /* F over T for the mutation, up to a factor that is the same for all paths that it joins. */
 double mutation_worth(Mutation m, const LightPath *p, const Camera *c);
 
