@@ -34,7 +34,7 @@
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \
     X(whitted) X(distributed) X(splats) X(chains) X(light) X(pointtree) \
     X(photonmap) X(instantradiosity) X(pointgrid) X(progressive) X(irradiance) X(irradiancecache) \
-    X(mutations)
+    X(mutations) X(mlt)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

@@ -244,21 +244,28 @@ static bool acts(PathVertex *v)
     return delta_named(v, v->event, &s) && glints(v, &s, v->event);
 }
 
-bool path_turned_round(LightPath *p, int last, const CameraSample *c)
+/* To what follows, whatever happens at the vertex. */
+static bool acts_towards_next(LightPath *p, int i)
 {
-    V3 d = v_neg(c->wi);
+    PathVertex *v = &p->v[i];
+    LightSample to;
 
-    p->eye = c->p;
-    p->way = d;
-    p->pixel = c->pixel;
-    seen_along(&p->v[1], d, c->dist);
-    for (int i = 1; i <= last; i++) {
-        PathVertex *v = &p->v[i];
-        LightSample to;
-        if (!shown_next(p, i, &to) ||
-            !goes_along(v, to.wi, frame_in(&v->at->frame, to.wi)) || !acts(v))
+    return shown_next(p, i, &to) && goes_along(v, to.wi, frame_in(&v->at->frame, to.wi)) &&
+           acts(v);
+}
+
+bool path_turned_round(LightPath *p, int first, int last, const CameraSample *c)
+{
+    if (first == 1) {
+        p->eye = c->p;
+        p->way = v_neg(c->wi);
+        p->pixel = c->pixel;
+        seen_along(&p->v[1], p->way, c->dist);
+    } else if (!acts_towards_next(p, first - 1))
+        return false;
+    for (int i = first; i <= last; i++)
+        if (!acts_towards_next(p, i))
             return false;
-    }
     return last + 1 == p->edges || scatters(&p->v[last + 1]);
 }
 

@@ -4,9 +4,10 @@
  * Idea        A chain goes from path to path: by a small move, see mutations.h, or now and then to
  *             a new path, see eyepaths.h; it comes to each in proportion to the luminance of its
  *             colour. So where light is found it is looked at from near by, pixel after pixel.
- * New paths   have a number of edges first, drawn as the samples among which chains begin brought
- *             light (and a little evenly), so colours over densities are alike for all of them.
- *             Their mean goes on to refine how bright the picture is.
+ * New paths   have a number of edges first, drawn by the root of the mean square of what the samples
+ *             among which chains begin brought that way (and a little evenly): where colours over
+ *             densities differ most, more are needed, or chains stay for long at the largest of
+ *             them. Their mean goes on to refine how bright the picture is.
  * States      count alike, whatever their colour, for it is as states of this one measure that
  *             their mutations are weighed: Chain.brightness is 1, or 0 before any light is found.
  * Direct      light is left to `direct` with direct=yes, one sample of each pixel a pass: paths are
@@ -37,7 +38,7 @@ typedef struct {
     LightPath x;                /* the state */
     Vertex *storage;            /* owned: rooms for two paths */
     Vertex *rooms[LIGHTPATH_MOST];      /* those that x has not */
-    double found[LIGHTPATH_MOST + 1];   /* brightness of samples to start with, by edges */
+    double squares[LIGHTPATH_MOST + 1]; /* of the brightness of the first samples, by edges */
 } PathChain;
 
 /* ---- storage ---- */
@@ -98,7 +99,7 @@ static void consider(void *ctx, const LightPath *p, double scale, Tracer *t)
     double light = brightness(choice->it, p, scale, t);
 
     choice->sum += light;
-    c->found[p->edges] += light;
+    c->squares[p->edges] += light * light;
     if (rng_unit(&choice->r) * choice->sum < light) {
         Vertex *mine[LIGHTPATH_MOST];
         for (int i = 1; i < p->edges; i++)
@@ -130,11 +131,12 @@ static void learn_lengths(Mlt *it)
     double sum = 0.0;
 
     for (size_t k = 0; k < it->chains.n; k++)
-        for (int n = least; n <= most; n++) {
-            double found = ((PathChain *)chains_at(&it->chains, k))->found[n];
-            it->length[n] += found;
-            sum += found;
-        }
+        for (int n = least; n <= most; n++)
+            it->length[n] += ((PathChain *)chains_at(&it->chains, k))->squares[n];
+    for (int n = least; n <= most; n++) {
+        it->length[n] = sqrt(it->length[n]);
+        sum += it->length[n];
+    }
     for (int n = least; n <= most; n++)
         it->length[n] = (sum > 0.0 ? (1.0 - 1.0 / EVENLY) * it->length[n] / sum : 0.0) +
                         (sum > 0.0 ? 1.0 / EVENLY : 1.0) / (most - least + 1);

@@ -30,18 +30,47 @@ static int joined(const LightPath *p, int *chains)
     return i;
 }
 
+/* Light may come to vertex i in a moved direction. */
+static bool is_lit(const LightPath *p, int i)
+{
+    const LightKind *k = p->end.light->kind;
+
+    return is_smooth(p, i) && (i == 1 || is_smooth(p, i - 1)) &&
+           (first_smooth(p, i + 1) < p->edges || !(k->infinite || k->delta == DELTA_DIRECTION));
+}
+
+/* How many such there are beyond the first; *at: number `which` of them. */
+static int inner_ones(const LightPath *p, int which, int *at)
+{
+    int n = 0;
+
+    for (int i = 2; i < p->edges; i++)
+        if (is_lit(p, i) && n++ == which)
+            *at = i;
+    return n;
+}
+
 bool mutation_applies(Mutation m, const LightPath *p)
 {
-    int chains, start;
+    int chains, at;
 
+    if (m == MUTATE_CAUSTIC)
+        return is_lit(p, 1);
+    if (m == MUTATE_INNER)
+        return inner_ones(p, 0, &at) > 0;
     joined(p, &chains);
-    if (m != MUTATE_CAUSTIC)
-        return (chains > 0) == (m == MUTATE_MULTICHAIN);
-    if (!is_smooth(p, 1))
-        return false;
-    start = first_smooth(p, 2);
-    return start < p->edges || !(p->end.light->kind->infinite ||
-                                 p->end.light->kind->delta == DELTA_DIRECTION);
+    return (chains > 0) == (m == MUTATE_MULTICHAIN);
+}
+
+Move mutation_move(Mutation m, const LightPath *p, float u)
+{
+    Move move = { m, m == MUTATE_CAUSTIC };
+
+    if (m == MUTATE_INNER) {
+        int n = inner_ones(p, 0, &move.at);
+        inner_ones(p, (int)(u * (float)n), &move.at);
+    }
+    return move;
 }
 
 /* L ... S D E: the eye sees light that has come by delta events. */
@@ -209,66 +238,73 @@ static bool reaches_lens(const Mutator *it, LightPath *y, Walk *w, CameraSample 
     return tracer_passes(t, &ray, v->medium, &v->passes);
 }
 
-static bool moved_from_light(const Mutator *it, const LightPath *x, LightPath *y,
+static bool moved_from_light(const Mutator *it, int at, const LightPath *x, LightPath *y,
                              Vertex *const *rooms, Rng *r, Tracer *t)
 {
-    int start = first_smooth(x, 2);
+    int start = first_smooth(x, at + 1);
     Walk w = leaves_light(it, x, start, r);
     CameraSample c;
 
-    for (int i = start - 1; i > 1; i--) {
+    for (int i = start - 1; i > at; i--) {
         if (!arrives_back(y, i, &w, rooms[i], t))
             return false;
         vertex_make(rooms[i], it->scene, w.ray.d);
         if (!goes_back(y, i, &w))
             return false;
     }
-    return arrives_back(y, 1, &w, rooms[1], t) && reaches_lens(it, y, &w, &c, t) &&
-           path_turned_round(y, start - 1, &c);
+    if (!arrives_back(y, at, &w, rooms[at], t))
+        return false;
+    if (at == 1)
+        return reaches_lens(it, y, &w, &c, t) && path_turned_round(y, 1, start - 1, &c);
+    vertex_make(rooms[at], it->scene, w.ray.d);
+    y->v[at].medium = w.medium;
+    return path_turned_round(y, at, start - 1, NULL) && path_is_clear(y, at - 1, t);
 }
 
 /* ---- acceptance ---- */
 
-/* From directions at vertex 1 and places on the picture to directions at the start. */
-static double change_to_light(const LightPath *p, const Camera *camera)
+/* From directions at smooth vertices before `at`, or places on the picture, and those at that vertex
+ * to directions at the start. */
+static double change_to_light(const LightPath *p, int at, const Camera *camera)
 {
-    int start = first_smooth(p, 2);
+    int start = first_smooth(p, at + 1);
     double change = start < p->edges ? (double)p->v[start].cos_o
                     : p->end.light->kind->delta ? (double)p->end.to.dist * p->end.to.dist
                                                 : (double)p->end.cosine;
     CameraSample c;
 
-    if (!camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &c))
-        return 0.0;
-    for (int i = 1; i < start; i++) {
+    for (int i = at; i < start; i++) {
         const PathVertex *v = &p->v[i];
         change *= (double)v->cos_o / v->cos_i;
         if (!path_vertex_is_smooth(v))
             change *= (double)f_sqr(v->eta) * fabsf(v->wi.z / v->wo.z);
     }
-    return change * c.we / c.pdf_w;
+    if (at > 1)
+        return change / f_sqr(p->v[at].dist);
+    return camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &c)
+               ? change * c.we / c.pdf_w : 0.0;
 }
 
-double mutation_worth(Mutation m, const LightPath *p, const Camera *c)
+double mutation_worth(Move m, const LightPath *p, const Camera *c)
 {
     double light = rgb_lum(p->colour);
     int chains, last;
 
-    if (m == MUTATE_CAUSTIC)
-        return light * change_to_light(p, c);
+    if (m.at)
+        return light * change_to_light(p, m.at, c);
     last = joined(p, &chains);
     return last < p->edges ? light * path_area(p, last) : light;
 }
 
-double mutated(const Mutator *it, Mutation m, const LightPath *x, LightPath *y,
+double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
                Vertex *const *rooms, Rng *r, Tracer *t)
 {
     const Camera *c = it->scene->camera;
     double from;
 
     path_shares(y, x);
-    if (!(m == MUTATE_CAUSTIC ? moved_from_light(it, x, y, rooms, r, t)
-                              : moved_from_eye(it, x, y, rooms, r, t)) ||
+    if (!(m.at ? moved_from_light(it, m.at, x, y, rooms, r, t)
+               : moved_from_eye(it, x, y, rooms, r, t)) ||
         !path_colours(y))
         return 0.0;
     from = mutation_worth(m, x, c);
@@ -280,14 +316,16 @@ double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Verte
 {
     Mutation m = mutation_chosen(it, x, rng_unit(r));
 
-    return m == MUTATIONS ? 0.0 : d_min(mutated(it, m, x, y, rooms, r, t), 1.0);
+    if (m == MUTATIONS)
+        return 0.0;
+    return d_min(mutated(it, mutation_move(m, x, rng_unit(r)), x, y, rooms, r, t), 1.0);
 }
 
 /* ---- options ---- */
 
 void mutator_init(Mutator *it, const Scene *s, const Opts *o)
 {
-    static const char *const name[MUTATIONS] = { "lens", "multichain", "caustic" };
+    static const char *const name[MUTATIONS] = { "lens", "multichain", "caustic", "inner" };
 
     it->scene = s;
     for (int m = 0; m < MUTATIONS; m++)

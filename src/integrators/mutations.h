@@ -9,7 +9,10 @@
  *                         so on from smooth vertex to smooth vertex, till two follow each other.
  *             caustic     the direction moves that light takes from the second smooth vertex, or
  *                         from its lamp, by delta events to the first, which the lens then sees
- *                         elsewhere.
+ *                         elsewhere;
+ *             inner       the same further on: to a smooth vertex that follows another, to which
+ *                         it is joined. None of the others moves what lies behind two neighbours
+ *                         that are smooth, and chains would keep it till they find a new path.
  * Signature   A moved path has the same number of edges and the same events: so the same kinds
  *             apply to it, and the choice among them has the same probabilities both ways.
  * Acceptance  a = min(1, F(y) T(y>x) / (F(x) T(x>y))), (7.14), with F and T per area, T being
@@ -20,7 +23,8 @@
  *                                   1, 2 and 3 of 8.4.2; an edge to a light has it too, rule 4;
  *                 caustic           colour times the change from directions at the first smooth
  *                                   vertex, and places on the picture, to directions at the second
- *                                   one or at the lamp: rule 5 with errata 8.3.
+ *                                   one or at the lamp: rule 5 with errata 8.3;
+ *                 inner             the same with 1 / d^2 in place of what the lens has.
  *             From the light's side the weight of a vertex is |cos_o| / |cos_i| times that from the
  *             eye's, and for refraction eta^2 |wi.ns| / |wo.ns| times that: [Veach97 5.2, 5.3].
  * Symmetry    Offsets depend on the distance alone between old and new, on the plane of the picture
@@ -30,7 +34,10 @@
 
 #include "integrators/lightpath.h"
 
-typedef enum { MUTATE_LENS, MUTATE_MULTICHAIN, MUTATE_CAUSTIC, MUTATIONS } Mutation;
+typedef enum { MUTATE_LENS, MUTATE_MULTICHAIN, MUTATE_CAUSTIC, MUTATE_INNER,
+               MUTATIONS } Mutation;
+/* at: the vertex to which light comes on its new way; 0 where the eye begins. */
+typedef struct { Mutation by; int at; } Move;
 
 typedef struct {
     const Scene *scene;         /* borrowed */
@@ -55,12 +62,14 @@ INLINE Places mutator_places(const Mutator *it, const Tracer *t)
 
 /* Whether the mutation applies to paths like that. */
 bool mutation_applies(Mutation m, const LightPath *p);
+/* How it is done: where there are several ways, by u. */
+Move mutation_move(Mutation m, const LightPath *p, float u);
 /* Which one is tried: by u. MUTATIONS: none applies. */
 Mutation mutation_chosen(const Mutator *it, const LightPath *p, float u);
 
-/* Moves x by m, which applies: to *y, whose new vertices are in rooms, others shared with x. Gives
+/* Moves x: to *y, whose new vertices are in rooms, others shared with x. Gives
  * F(y) T(y>x) / (F(x) T(x>y)); 0: there is no such path. */
-double mutated(const Mutator *it, Mutation m, const LightPath *x, LightPath *y,
+double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
                Vertex *const *rooms, Rng *r, Tracer *t);
 
 /* One move by some mutation: its probability to be accepted. */
@@ -68,7 +77,7 @@ double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Verte
                       Rng *r, Tracer *t);
 
 /* F over T for the mutation, up to a factor that is the same for all paths that it joins. */
-double mutation_worth(Mutation m, const LightPath *p, const Camera *c);
+double mutation_worth(Move m, const LightPath *p, const Camera *c);
 
 #define MUTATION_OPTIONS(near, far, side)                                      \
     { .key = "lens", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,          \
@@ -77,6 +86,8 @@ double mutation_worth(Mutation m, const LightPath *p, const Camera *c);
       .help = "share of multi-chain perturbations" },                          \
     { .key = "caustic", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,       \
       .help = "share of caustic perturbations" },                              \
+    { .key = "inner", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,         \
+      .help = "share of those that move what lies behind the first vertices" }, \
     { .key = "nearest", .type = OPT_FLOAT, .num = near, .lo = 1e-6, .hi = 1e6, \
       .help = "least move on the picture, pixels" },                           \
     { .key = "farthest", .type = OPT_FLOAT, .num = far, .lo = 0, .hi = 1e6,    \
