@@ -46,9 +46,9 @@ static void add_room(Lab *l)
     lab_quad(l, v3(-2, 2, -2), v3(0, 0, 4), v3(4, 0, 0), shiny);
     lab_sphere(l, v3(-0.7f, 0.5f, -0.6f), 0.7f, glass, false);
     lab_sphere(l, v3(0.9f, 0.2f, 0.3f), 0.5f, glass, false);
-    lab_shine(l, lab_quad(l, v3(-1, -1, 1.9f), v3(0, 2, 0), v3(2, 0, 0), black), "L=4/5/6");
-    lab_shine(l, lab_sphere(l, v3(1.3f, 1.2f, -1.4f), 0.3f, black, false), "L=8/6/4");
-    lab_light(l, "point", "from=-1.5/-1/1,I=3", NULL);
+    lab_shine(l, lab_quad(l, v3(-1.8f, -1.8f, 1.9f), v3(0, 3.6f, 0), v3(3.6f, 0, 0), black), "L=2/2.5/3");
+    lab_shine(l, lab_sphere(l, v3(1.3f, 1.2f, -1.4f), 0.5f, black, false), "L=3/2/1");
+    lab_light(l, "point", "from=-1/-1/0.5,I=1", NULL);
     lab_light(l, "infinite", "L=0.5/0.7/1", NULL);
 }
 
@@ -419,11 +419,11 @@ static void routes_of(const char *camera)
     for (int k = 0; k < SIGNATURES; k++)
         kinds += c.of[k] > 0;
     for (int m = 0; m < MUTATIONS; m++)
-        EXPECT(c.moves[m] > least / 20, "few moves of kind %d: %.0f", m, (double)c.moves[m]);
+        EXPECT(c.moves[m] > least / 25, "few moves of kind %d: %.0f", m, (double)c.moves[m]);
     EXPECT(c.far * 200 < moves, "%.0f of %.0f moves are off by more than 1e-4", (double)c.far,
            (double)moves);
     EXPECT(c.worst < 1e-4, "the worst is off by %g for each of its small numbers", c.worst);
-    EXPECT(kinds >= 112, "%d kinds of paths of 127", kinds);
+    EXPECT(kinds >= 108, "%d kinds of paths of 127", kinds);
     world_clears(&w);
 }
 
@@ -473,7 +473,7 @@ static void flow_once(void *ctx, const LightPath *x, double scale, Tracer *t)
 }
 
 /* The sum of z^2 over pairs of states between which enough flows. */
-static void balance_of(Mutation m, double square)
+static void balance_of(Mutation m, double square, float least, int least_pairs)
 {
     static World w;
     Flows f = { .w = &w, .r = rng_seed(17), .only = m };
@@ -483,9 +483,10 @@ static void balance_of(Mutation m, double square)
     world_opens(&w, "lensradius=0.1,focaldistance=5");
     w.mutator.square = (float)square;
     w.mutator.nearest = 2;
-    w.mutator.least = 0.1f;
+    w.mutator.least = least;
+    w.mutator.most = 1;
     w.eye.maxdepth = BALANCED;
-    for (uint32_t n = 0; n < (test_is_long() ? 4800000 : 300000); n++)
+    for (uint32_t n = 0; n < (test_is_long() ? 4800000 : 200000); n++)
         trace(&w, n, flow_once, &f);
     for (int a = 0; a < STATES; a++)
         for (int b = 0; b < a; b++) {
@@ -496,7 +497,7 @@ static void balance_of(Mutation m, double square)
                 pairs++;
             }
         }
-    EXPECT(pairs >= 4, "kind %d: %d pairs of states", (int)m, pairs);
+    EXPECT(pairs >= least_pairs, "kind %d: %d pairs of states", (int)m, pairs);
     EXPECT(chi2_tail(chi2, pairs) >= CHI2_P_MIN, "kind %d: chi^2 = %.1f of %d pairs", (int)m, chi2,
            pairs);
     world_clears(&w);
@@ -504,11 +505,13 @@ static void balance_of(Mutation m, double square)
 
 static void balance(void)
 {
-    balance_of(MUTATE_LENS, 0);
-    balance_of(MUTATE_LENS, 9);
-    balance_of(MUTATE_MULTICHAIN, 0);
-    balance_of(MUTATE_CAUSTIC, 0);
-    balance_of(MUTATE_INNER, 0);
+    balance_of(MUTATE_LENS, 0, 0.1f, 20);
+    balance_of(MUTATE_LENS, 9, 0.1f, 20);
+    balance_of(MUTATE_CAUSTIC, 0, 0.1f, 16);
+    if (test_is_long()) {               /* fewer of them cross from state to state */
+        balance_of(MUTATE_MULTICHAIN, 0, 0.001f, 8);
+        balance_of(MUTATE_INNER, 0, 0.1f, 8);
+    }
 }
 
 /* ---- new paths ---- */
