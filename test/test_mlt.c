@@ -1,6 +1,7 @@
 /* test_mlt.c -- chains of explicit paths, and energy that flows along them, against path tracing:
  * scenes with every kind of lamp, camera and surface, and every rule of flow. Errors are those of
  * independent runs, so chains may be as correlated as they like. */
+#include "integrators/proposals.h"
 #include "test/lamp_help.h"
 
 #include <stdio.h>
@@ -38,7 +39,7 @@ typedef struct {
     float fov;
 } Scenery;
 
-static const Scenery settings[] = {
+static const Scenery sceneries[] = {
     { "a quad", { "quad", NULL }, lamp_things, "perspective", "", "",
       { 0.5f, -7, 3 }, { 0, 0, 1 }, 45 },
     { "a ball of glass", { NULL, NULL }, add_ball, "perspective", "", "",
@@ -56,9 +57,9 @@ static const Scenery settings[] = {
     { "a ball of glass, a lens", { "infinite", NULL }, add_ball, "orthographic",
       "lensradius=0.05,focaldistance=4", "", { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 60 },
 };
-enum { SETTINGS = sizeof settings / sizeof *settings };
+enum { SCENERIES = sizeof sceneries / sizeof *sceneries };
 
-static void open_setting(Lab *l, const Scenery *s)
+static void open_scenery(Lab *l, const Scenery *s)
 {
     lab_init(l);
     for (int i = 0; i < 2; i++)
@@ -71,22 +72,37 @@ static void open_setting(Lab *l, const Scenery *s)
 
 /* ---- the same picture ---- */
 
+static void render_path(Lab *l, const Scenery *s, uint32_t spp, Series *path)
+{
+    char method[160];
+
+    snprintf(method, sizeof method, "path:maxdepth=4,roulette=2%s", s->filter);
+    series_render(l, path, method, 32, spp, 1);
+}
+
+static void expect_same(Lab *l, const Scenery *s, const char *way, uint32_t spp,
+                        const Series *path, double delta)
+{
+    char method[160], what[200];
+    Series chains;
+
+    snprintf(method, sizeof method, "%s,maxdepth=4,roulette=2%s", way, s->filter);
+    snprintf(what, sizeof what, "%s, %s", s->name, way);
+    series_render(l, &chains, method, 32, spp, 2);
+    series_expect_same(&chains, path, delta, what);
+    series_clear(&chains);
+}
+
 static void compare(const Scenery *s, const char *way, uint32_t spp, uint32_t path_spp,
                     double delta)
 {
-    char method[2][160], what[200];
-    Series path, chains;
+    Series path;
     Lab l;
 
-    open_setting(&l, s);
-    snprintf(method[0], sizeof *method, "path:maxdepth=4,roulette=2%s", s->filter);
-    snprintf(method[1], sizeof *method, "%s,maxdepth=4,roulette=2%s", way, s->filter);
-    snprintf(what, sizeof what, "%s, %s", s->name, way);
-    series_render(&l, &path, method[0], 32, path_spp, 1);
-    series_render(&l, &chains, method[1], 32, spp, 2);
-    series_expect_same(&chains, &path, delta, what);
+    open_scenery(&l, s);
+    render_path(&l, s, path_spp, &path);
+    expect_same(&l, s, way, spp, &path, delta);
     series_clear(&path);
-    series_clear(&chains);
     lab_clear(&l);
 }
 
@@ -94,40 +110,143 @@ static void compare(const Scenery *s, const char *way, uint32_t spp, uint32_t pa
 
 static void mlt(void)
 {
-    compare(&settings[0], "mlt:" SHORT ",direct=no,newpath=0.3", 12, 8, 0.1);
-    compare(&settings[1], "mlt:" SHORT ",newpath=0.3", 24, 32, 0.2);
-    compare(&settings[3], "mlt:" SHORT ",direct=no,newpath=0.3,square=9", 12, 8, 0.1);
+    compare(&sceneries[0], "mlt:" SHORT ",direct=no,newpath=0.3", 3, 8, 0.1);
+    compare(&sceneries[1], "mlt:" SHORT, 5, 24, 0.2);
+    compare(&sceneries[3], "mlt:" SHORT ",direct=no,newpath=0.3,square=9", 3, 8, 0.1);
 }
 
 static void erpt(void)
 {
-    compare(&settings[0], "erpt:direct=no,length=30,mutations=2", 6, 8, 0.15);
-    compare(&settings[1], "erpt:length=30,mutations=2", 8, 24, 0.2);
-    compare(&settings[2], "erpt:direct=no,flow=detailed,length=4", 3, 8, 0.15);
-    compare(&settings[5], "erpt:direct=no,flow=iterated,length=4", 3, 8, 0.15);
+    compare(&sceneries[0], "erpt:direct=no,length=30,mutations=2", 5, 8, 0.15);
+    compare(&sceneries[1], "erpt:length=30,mutations=2", 6, 24, 0.2);
+    compare(&sceneries[2], "erpt:direct=no,flow=detailed,length=4", 3, 8, 0.15);
+    compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4", 3, 8, 0.15);
 }
 
-/* Every way in every setting. */
+/* Every way in every scenery. */
 static void all(void)
 {
     static const struct { const char *way; uint32_t spp; } ways[] = {
-        { "mlt:" SHORT ",direct=no,newpath=0.3", 24 },
-        { "mlt:" SHORT ",direct=yes,newpath=0.1,lens=2,caustic=0.5", 16 },
-        { "mlt:" SHORT ",direct=yes,newpath=0.3,square=9,most=0.5", 16 },
-        { "erpt:direct=no", 8 }, { "erpt:direct=yes,length=30,mutations=3,square=0", 8 },
-        { "erpt:direct=no,choice=exclusive,length=30", 8 },
-        { "erpt:direct=no,flow=detailed,length=8", 4 },
-        { "erpt:direct=yes,flow=iterated,length=16", 2 },
+        { "mlt:" SHORT ",direct=no,newpath=0.3", 2 },
+        { "mlt:" SHORT ",newpath=0.1,lens=2,caustic=0.5,inner=0.5", 2 },
+        { "mlt:" SHORT ",square=9,most=0.5", 2 },
+        { "erpt:direct=no,inner=1", 1 }, { "erpt:length=30,mutations=3,square=0", 1 },
+        { "erpt:direct=no,choice=exclusive,length=30", 1 },
+        { "erpt:direct=no,flow=detailed,length=8", 1 },
+        { "erpt:flow=iterated,length=16", 1 },
     };
 
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
-        for (int k = 0; k < SETTINGS; k++)
-            compare(&settings[k], ways[i].way, ways[i].spp, 32, 0.3);
+    for (int k = 0; k < SCENERIES; k++) {
+        Series path;
+        Lab l;
+        open_scenery(&l, &sceneries[k]);
+        render_path(&l, &sceneries[k], 16, &path);
+        for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
+            expect_same(&l, &sceneries[k], ways[i].way, ways[i].spp, &path, 0.4);
+        series_clear(&path);
+        lab_clear(&l);
+    }
+}
+
+/* ---- what there is to see without light, and by filters ---- */
+
+/* Nothing is found: a warning, and a black picture. */
+static void darkness(void)
+{
+    static const char *const methods[] = { "mlt:" SHORT ",direct=no", "erpt:direct=no" };
+
+    for (int i = 0; i < 2; i++) {
+        unsigned before = warnings_count();
+        RenderSettings s;
+        RenderReport report;
+        Film f;
+        Image im;
+        Lab l;
+        lab_init(&l);
+        lamp_things(&l);
+        lab_light(&l, "point", "from=0/0/-1,I=9", NULL);        /* below the floor */
+        lab_camera(&l, v3(0, 0, 5), v3(0, 0.1f, 0), 20, "");
+        lab_build(&l);
+        picture_settings(&l, &s, methods[i], 16, 16, 2);
+        picture_render(&l, &s, &f, &report);
+        REQUIRE(image_init(&im, 16, 16), "memory");
+        film_picture(&f, 0, &im);
+        for (int k = 0; k < 256; k++)
+            EXPECT(rgb_black(im.pixels[k]), "pixel %d shines", k);
+        EXPECT(i > 0 || warnings_count() == before + 1, "mlt says nothing of it");
+        image_clear(&im);
+        film_clear(&f);
+        lab_clear(&l);
+    }
+}
+
+/* Counts of a window and what they make of a picture: expected over counted, where there are any. */
+static void filter_of_proposals(void)
+{
+    static const uint32_t window[4] = { 2, 1, 7, 5 };
+    static const int counts[4][5] = { { 1, 2, 3, 4, 5 }, { 9, 0, 1, 1, 2 }, { 5, 5, 5, 5, 5 },
+                                      { 2, 7, 1, 8, 3 } };
+    /* of the 3 x 3 square around the pixel (x, y), as far as it is in the window */
+    static const struct { int x, y; double mean, median; } at[] = {
+        { 0, 0, 3, 2 }, { 1, 1, 31.0 / 9, 3 }, { 4, 3, 26.0 / 6, 5 }, { 2, 2, 33.0 / 9, 5 }
+    };
+
+    for (int median = 0; median < 2; median++) {
+        Proposals p = { .median = false };
+        Film f;
+        Image im;
+        REQUIRE(film_init(&f, 10, 10, window, 1) && film_accepts_splats(&f) &&
+                proposals_init(&p, &f, median, 3) && image_init(&im, 5, 4), "memory");
+        for (int y = 0; y < 4; y++)
+            for (int x = 0; x < 5; x++) {
+                V2 place = { (float)x + 2.3f, (float)y + 1.9f };
+                for (int k = 0; k < counts[y][x]; k++)
+                    proposals_add(&p, place);
+                film_splat(&f, &p.box, place, 1, rgb(1, 2, 4));
+            }
+        REQUIRE(proposals_even_out(&p, &f), "memory");
+        film_picture(&f, 0, &im);
+        for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+            Rgb c = im.pixels[at[i].y * 5 + at[i].x];
+            int n = counts[at[i].y][at[i].x];
+            double want = n ? (median ? at[i].median : at[i].mean) / n : 1;
+            EXPECT(fabs(c.r / want - 1) < 1e-6 && fabs(c.b / want - 4) < 1e-5,
+                   "pixel %d,%d: %g, not %g", at[i].x, at[i].y, (double)c.r, want);
+        }
+        image_clear(&im);
+        film_clear(&f);
+        proposals_clear(&p);
+    }
+}
+
+/* Both filters, together: little light is lost, and the rules say what is done when. */
+static void filters(void)
+{
+    Series plain, filtered;
+    double mean[2] = { 0, 0 };
+    Lab l;
+
+    open_scenery(&l, &sceneries[0]);
+    series_render(&l, &plain, "erpt:maxdepth=3,direct=no,mutations=1", 32, 1, 3);
+    series_render(&l, &filtered, "erpt:maxdepth=3,direct=no,mutations=1,even=box,repeats=20", 32,
+                  1, 3);
+    for (uint32_t k = 0; k < plain.tiles * RUNS; k++) {
+        mean[0] += plain.tile[k];
+        mean[1] += filtered.tile[k];
+    }
+    EXPECT(mean[1] != mean[0] && fabs(mean[1] / mean[0] - 1) < 0.1, "filters leave %g of %g",
+           mean[1], mean[0]);
+    series_clear(&plain);
+    series_clear(&filtered);
+    lab_clear(&l);
 }
 
 const TestCase test_mlt[] = {
     { "mlt", mlt, false },
     { "erpt", erpt, false },
     { "all", all, true },
+    { "darkness", darkness, false },
+    { "filter_of_proposals", filter_of_proposals, false },
+    { "filters", filters, false },
     { NULL, NULL, false }
 };

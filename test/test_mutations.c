@@ -560,7 +560,7 @@ static void new_paths(void)
                                   ? rgb_lum(p.colour) / eyepath_density(&w.eye, &p) : 0);
         }
         snprintf(what, sizeof what, "%d edges", k);
-        stat_expect_same(&single, &b.of[k], 0.25, what);
+        stat_expect_same(&single, &b.of[k], 0.3, what);
     }
     world_clears(&w);
 }

@@ -23,6 +23,7 @@
 #include "integrators/direct.h"
 #include "integrators/eyepaths.h"
 #include "integrators/mutations.h"
+#include "integrators/proposals.h"
 
 #include "base/mem.h"
 
@@ -42,6 +43,9 @@ typedef struct {
     int   levels;               /* of a tree with about m leaves */
     float each;                 /* moves a pixel in a pass */
     int   repeats;              /* deposits in one pixel in a row that count; 0: all */
+    Proposals *proposals;       /* owned; NULL: not wanted */
+    bool  median;               /* how they are smoothed, and over what square */
+    int   side;
     uint64_t samples;           /* that tell e_d */
     double found[UNITS];        /* energy of each unit of them */
     double deposit;             /* e_d; 0: no light was found */
@@ -81,6 +85,17 @@ static void roomy_opens(Roomy *s)
         s->p.v[i].at = s->rooms[i] = &s->storage[i];
 }
 
+/* One move from x by some mutation: q. */
+static double moved(const Erpt *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
+                    Rng *r, Tracer *t)
+{
+    double q = mutation_tried(&it->mutator, x, y, rooms, r, t);
+
+    if (it->proposals && q > 0.0)
+        proposals_add(it->proposals, y->pixel);
+    return q;
+}
+
 /* How often in a row a chain has been in a pixel. */
 typedef struct { int x, y, times; } Stay;
 
@@ -104,7 +119,7 @@ static void chain(const Erpt *it, LightPath *x, Vertex **rooms, Rng *r, Tracer *
     LightPath y;
 
     for (int i = 0; i < it->length; i++) {
-        double q = mutation_tried(&it->mutator, x, &y, rooms, r, t);
+        double q = moved(it, x, &y, rooms, r, t);
         bool moves = rng_unit(r) < q;
         double e = counts(it, &stay, moves ? y.pixel : x->pixel) ? it->deposit : 0.0;
         kept += (1.0 - q) * e;
@@ -139,7 +154,7 @@ static void flow_in_detail(const Erpt *it, const LightPath *x, double e, int mov
 
     roomy_opens(&y);
     for (int i = 0; i < moves; i++) {
-        double q = mutation_tried(&it->mutator, x, &y.p, y.rooms, r, t);
+        double q = moved(it, x, &y.p, y.rooms, r, t);
         deposit(&y.p, part * q, t);
         left += part * (1.0 - q);
     }
@@ -157,7 +172,7 @@ static void flow_again(const Erpt *it, const LightPath *x, double e, int levels,
         return;
     }
     roomy_opens(&y);
-    q = mutation_tried(&it->mutator, x, &y.p, y.rooms, r, t);
+    q = moved(it, x, &y.p, y.rooms, r, t);
     if (q > 0.0)
         flow_again(it, &y.p, e * q, levels - 1, r, t);
     if (q < 1.0)
@@ -267,7 +282,13 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
     it->y0 = f->y0;
     it->w = f->w;
     it->h = f->h;
-    return true;
+    return !it->proposals || proposals_init(it->proposals, f, it->median, it->side);
+}
+
+static bool finish(Integrator *base, Film *f)
+{
+    const Proposals *p = ((const Erpt *)base)->proposals;
+    return !p || proposals_even_out(p, f);
 }
 
 static void close_erpt(Integrator *base)
@@ -276,8 +297,24 @@ static void close_erpt(Integrator *base)
 
     if (it->direct)
         it->direct->kind->close(it->direct);
+    if (it->proposals)
+        proposals_clear(it->proposals);
+    mem_free(it->proposals);
     lightsampler_close(it->lights);
     mem_free(it);
+}
+
+/* False: memory, reported. */
+static bool set_filters(Erpt *it, const Opts *o)
+{
+    bool even = !opt_is(o, "even", "no");
+
+    it->repeats = (int)opt_int(o, "repeats");
+    it->median = opt_is(o, "even", "median");
+    it->side = (int)opt_int(o, "side");
+    if (even)
+        it->proposals = MEM_NEW(Proposals);
+    return !even || it->proposals;
 }
 
 static void set_flow(Erpt *it, const Opts *o)
@@ -286,7 +323,6 @@ static void set_flow(Erpt *it, const Opts *o)
                : opt_is(o, "flow", "detailed") ? FLOW_DETAILED : FLOW_ITERATED;
     it->length = (int)opt_int(o, "length");
     it->each = opt_float(o, "mutations");
-    it->repeats = (int)opt_int(o, "repeats");
     while (2 << it->levels <= it->length && it->levels < LEVELS_MOST)
         it->levels++;
 }
@@ -307,14 +343,15 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
                           (int)opt_int(o, "roulette") };
     it->direct = direct ? direct_open(s, o) : NULL;
-    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "erpt"))
+    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "erpt") &&
+        set_filters(it, o))
         return &it->base;
     close_erpt(&it->base);
     return NULL;
 }
 
 static const OptDef options[] = {
-    { .key = "mutations", .type = OPT_FLOAT, .num = 1, .lo = 1e-3, .hi = 1e6,
+    { .key = "mutations", .type = OPT_FLOAT, .num = 4, .lo = 1e-3, .hi = 1e6,
       .help = "moves a pixel and sample, about; with flow=iterated as many as length for each path" },
     { .key = "length", .type = OPT_INT, .num = 100, .lo = 1, .hi = 1e6,
       .help = "moves of a chain" },
@@ -328,6 +365,11 @@ static const OptDef options[] = {
     { .key = "repeats", .type = OPT_INT, .num = 0, .lo = 0, .hi = 1e6,
       .help = "a chain's deposits in one pixel in a row that count, 10 or 20 in the source "
               "(biased); 0: all" },
+    { .key = "even", .type = OPT_CHOICE, .str = "no", .choices = "no box median",
+      .help = "pixels in which more moves were tried than around them get less, others more "
+              "(biased); by the mean or the median of a square" },
+    { .key = "side", .type = OPT_INT, .num = 7, .lo = 1, .hi = PROPOSALS_SIDE,
+      .help = "of that square, pixels" },
     MUTATION_OPTIONS(0.1, 0, 9),
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
       .help = "most scattering events of a path; 0 shows lights only" },
@@ -343,7 +385,8 @@ const IntegratorKind integrator_erpt = {
     .info = { "erpt", "Cline07 8", "samples of a path tracer, spread by chains of moved paths",
               options },
     .truth = UNBIASED,
-    .misses = "point and distant lights seen through delta surfaces; light that media scatter",
+    .misses = "point and distant lights seen through delta surfaces; light that media scatter; "
+              "with filters of noise (even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
-    .splats = true, .phases = PHASES, .units = units, .run = run
+    .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish
 };

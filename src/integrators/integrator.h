@@ -205,6 +205,8 @@ typedef struct {
     uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+    /* After the last pass. NULL: nothing. False: reported. */
+    bool (*finish)(Integrator *it, Film *f);
 } IntegratorKind;
 
 /* Whether pixels may have different counts of samples, and whether these say how noisy the picture

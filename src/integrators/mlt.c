@@ -279,11 +279,11 @@ static Integrator *open_mlt(const Scene *s, const Opts *o)
 
 static const OptDef options[] = {
     CHAINS_OPTIONS,
-    { .key = "mutations", .type = OPT_INT, .num = 1, .lo = 1, .hi = 1e6,
+    { .key = "mutations", .type = OPT_INT, .num = 4, .lo = 1, .hi = 1e6,
       .help = "steps a pixel in a pass, beside the one sample of direct light" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "direct light is apart, as that of the integrator direct" },
-    { .key = "newpath", .type = OPT_FLOAT, .num = 0.1, .lo = 1e-3, .hi = 1,
+    { .key = "newpath", .type = OPT_FLOAT, .num = 0.5, .lo = 1e-3, .hi = 1,
       .help = "share of new paths among mutations" },
     MUTATION_OPTIONS(0.1, 0, 0),
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,

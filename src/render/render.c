@@ -474,6 +474,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
             run_adaptive(&j);
         else if (ok)
             run_passes(&j);
+        if (ok && j.integrator->kind->finish)
+            ok = j.integrator->kind->finish(j.integrator, film);
         report_now(&j, report);
         progress_end(&j.progress);
         ok = ok && !j.integrator->failed && report_refused(film);
