@@ -180,7 +180,8 @@ static void darkness(void)
     }
 }
 
-/* Counts of a window and what they make of a picture: expected over counted, where there are any. */
+/* Counts of a window and what they make of a picture: expected over counted, where there are
+ * any. */
 static void filter_of_proposals(void)
 {
     static const uint32_t window[4] = { 2, 1, 7, 5 };

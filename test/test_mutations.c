@@ -46,7 +46,8 @@ static void add_room(Lab *l)
     lab_quad(l, v3(-2, 2, -2), v3(0, 0, 4), v3(4, 0, 0), shiny);
     lab_sphere(l, v3(-0.7f, 0.5f, -0.6f), 0.7f, glass, false);
     lab_sphere(l, v3(0.9f, 0.2f, 0.3f), 0.5f, glass, false);
-    lab_shine(l, lab_quad(l, v3(-1.8f, -1.8f, 1.9f), v3(0, 3.6f, 0), v3(3.6f, 0, 0), black), "L=2/2.5/3");
+    lab_shine(l, lab_quad(l, v3(-1.8f, -1.8f, 1.9f), v3(0, 3.6f, 0), v3(3.6f, 0, 0), black),
+              "L=2/2.5/3");
     lab_shine(l, lab_sphere(l, v3(1.3f, 1.2f, -1.4f), 0.5f, black, false), "L=3/2/1");
     lab_light(l, "point", "from=-1/-1/0.5,I=1", NULL);
     lab_light(l, "infinite", "L=0.5/0.7/1", NULL);

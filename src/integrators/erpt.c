@@ -1,5 +1,5 @@
-/* erpt.c -- energy redistribution path tracing: a path tracer whose light is spread over the picture
- * by chains of moved paths.
+/* erpt.c -- energy redistribution path tracing: a path tracer whose light is spread over the
+ * picture by chains of moved paths.
  *
  * Source      [Cline07 8.3, 8.4, figs 8.5 to 8.7, (8.3) to (8.7); errata 8.1 to 8.6].
  * Idea        A sample's light is energy at a path. Energy may flow from path to path so long as
@@ -352,7 +352,7 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
 
 static const OptDef options[] = {
     { .key = "mutations", .type = OPT_FLOAT, .num = 4, .lo = 1e-3, .hi = 1e6,
-      .help = "moves a pixel and sample, about; with flow=iterated as many as length for each path" },
+      .help = "moves a pixel and sample, about; with flow=iterated: length moves for each path" },
     { .key = "length", .type = OPT_INT, .num = 100, .lo = 1, .hi = 1e6,
       .help = "moves of a chain" },
     { .key = "flow", .type = OPT_CHOICE, .str = "equal", .choices = "detailed iterated equal",

@@ -106,9 +106,9 @@ bool path_joins(LightPath *p, int i);
  * last thing that the colour needs. */
 bool path_is_clear(LightPath *p, int i, Tracer *t);
 
-/* Vertices first .. last have been met from the light's side: of each `at`, event, medium and passes
- * are there. Vertex 1 is as the lens shows it at c, others are joined to the smooth one before. Sets
- * all else, also of what follows. False: no light comes this way. */
+/* Vertices first .. last have been met from the light's side: of each `at`, event, medium and
+ * passes are there. Vertex 1 is as the lens shows it at c, others are joined to the smooth one
+ * before. Sets all else, also of what follows. False: no light comes this way. */
 bool path_turned_round(LightPath *p, int first, int last, const CameraSample *c);
 
 /* Sets the colour from all factors. False: it is black, or no number. */

@@ -4,10 +4,10 @@
  * Idea        A chain goes from path to path: by a small move, see mutations.h, or now and then to
  *             a new path, see eyepaths.h; it comes to each in proportion to the luminance of its
  *             colour. So where light is found it is looked at from near by, pixel after pixel.
- * New paths   have a number of edges first, drawn by the root of the mean square of what the samples
- *             among which chains begin brought that way (and a little evenly): where colours over
- *             densities differ most, more are needed, or chains stay for long at the largest of
- *             them. Their mean goes on to refine how bright the picture is.
+ * New paths   have a number of edges first, drawn by the root of the mean square of what the
+ *             samples among which chains begin brought that way (and a little evenly): where
+ *             colours over densities differ most, more are needed, or chains stay for long at the
+ *             largest of them. Their mean goes on to refine how bright the picture is.
  * States      count alike, whatever their colour, for it is as states of this one measure that
  *             their mutations are weighed: Chain.brightness is 1, or 0 before any light is found.
  * Direct      light is left to `direct` with direct=yes, one sample of each pixel a pass: paths are
@@ -297,8 +297,8 @@ static const OptDef options[] = {
 };
 
 const IntegratorKind integrator_mlt = {
-    .info = { "mlt", "Veach97 11; Cline07 7.11, 7.12", "chains of paths that move about the picture",
-              options },
+    .info = { "mlt", "Veach97 11; Cline07 7.11, 7.12",
+              "chains of paths that move about the picture", options },
     .truth = CONSISTENT,
     .misses = "point and distant lights seen through delta surfaces; light that media scatter",
     .open = open_mlt, .close = close_mlt, .prepare = prepare, .radiance = radiance,

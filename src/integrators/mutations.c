@@ -263,8 +263,8 @@ static bool moved_from_light(const Mutator *it, int at, const LightPath *x, Ligh
 
 /* ---- acceptance ---- */
 
-/* From directions at smooth vertices before `at`, or places on the picture, and those at that vertex
- * to directions at the start. */
+/* From directions at that vertex, and places on the picture or directions at the one before, to
+ * directions at the start. */
 static double change_to_light(const LightPath *p, int at, const Camera *camera)
 {
     int start = first_smooth(p, at + 1);

@@ -4,8 +4,8 @@
  * Idea        Energy that flows about is uneven for a part because pixels are tried unevenly often.
  *             The counts are smoothed to what may have been expected, by a mean or a median over a
  *             square, and what landed in a pixel is multiplied by expected / counted.
- * Limits      Biased: the expectation is not even over the square. Where nothing was tried the pixel
- *             is left as it is. */
+ * Limits      Biased: the expectation is not even over the square. Where nothing was tried the
+ *             pixel is left as it is. */
 #ifndef INTEGRATORS_PROPOSALS_H
 #define INTEGRATORS_PROPOSALS_H
 
