@@ -18,6 +18,8 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
+    { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
+    { "moves figures", bench_moves_figures },
 };
 
 static void machine(void)

@@ -32,8 +32,8 @@ void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c)
 /* So many shots more. By one thread at a time, while none splats. */
 void film_shots(Film *f, uint64_t n);
 
-/* From now on the mean of each pixel's splats is multiplied by its gain, an array that is the film's
- * then: for filters of noise. */
+/* From now on the mean of each pixel's splats is multiplied by its gain, an array that is the
+ * film's then: for filters of noise. */
 void film_multiply_splats(Film *f, float *gain);
 
 /* ---- for film.c ---- */
