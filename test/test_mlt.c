@@ -142,7 +142,7 @@ static void all(void)
         open_scenery(&l, &sceneries[k]);
         render_path(&l, &sceneries[k], 16, &path);
         for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
-            expect_same(&l, &sceneries[k], ways[i].way, ways[i].spp, &path, 0.4);
+            expect_same(&l, &sceneries[k], ways[i].way, ways[i].spp, &path, 0.6);
         series_clear(&path);
         lab_clear(&l);
     }

@@ -30,7 +30,8 @@ static uint32_t half_mirror(Lab *l, uint32_t other)
     return mix;
 }
 
-/* A room open to the sky on the eye's side. */
+/* A room open to the sky on the eye's side, with water on its floor: what crosses a ball comes out as
+ * it went in, and faults of refraction would cancel. */
 static void add_room(Lab *l)
 {
     uint32_t black = lab_material(l, "diffuse", "reflectance=0"),
@@ -44,6 +45,7 @@ static void add_room(Lab *l)
     lab_quad(l, v3(-2, -2, -2), v3(0, 4, 0), v3(0, 0, 4), shiny);
     lab_quad(l, v3(2, -2, -2), v3(0, 0, 4), v3(0, 4, 0), wall);
     lab_quad(l, v3(-2, 2, -2), v3(0, 0, 4), v3(4, 0, 0), shiny);
+    lab_quad(l, v3(-2, -2, -1.5f), v3(4, 0, 0), v3(0, 4, 0), glass);
     lab_sphere(l, v3(-0.7f, 0.5f, -0.6f), 0.7f, glass, false);
     lab_sphere(l, v3(0.9f, 0.2f, 0.3f), 0.5f, glass, false);
     lab_shine(l, lab_quad(l, v3(-1.8f, -1.8f, 1.9f), v3(0, 3.6f, 0), v3(3.6f, 0, 0), black),
