@@ -21,10 +21,14 @@ void bench_direct(void);        /* figure 4.10 of the document, many lights, equ
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
 void bench_bias(void);          /* what says that it is biased: by how much */
+void bench_photons(void);       /* a million photons; neighbours; passes of sppm */
+void bench_indirect(void);      /* caches and photons against paths, after equal time */
+void bench_methods(void);       /* the three spheres by every method, on one sheet */
 void bench_twostage(void);      /* chapter 5: figure 5.8, table 5.1 */
 void bench_twostage_cost(void); /* what partitions cost beside the rays that they serve */
 void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
+void bench_copyimage(void);     /* figures 7.22 and 7.23: a picture copied by Metropolis sampling */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
 void bench_moves_speed(void);   /* mutations a CPU-second */
@@ -49,6 +53,9 @@ bool bench_render(const char *scene, const char *integrator, const char *sampler
  * (a - r)(a - q) / (r^2 + 0.01) has the expectation that (a - truth)^2 would give. */
 double paired_relmse(const Image *a, const Image *r, const Image *q);
 
+/* Pictures in cells of w by h, as a file. False: reported. */
+bool sheet_of(const Image *im, uint32_t n, uint32_t columns, uint32_t w, uint32_t h,
+              const char *file);
 /* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
 int sheet(int argc, char **argv);
 

@@ -99,7 +99,7 @@ static void banding(void)
         { "alias method", "\"string sampling\" \"alias\"" },
     };
     enum { SETS = sizeof sets / sizeof sets[0], SPP = 64 };
-    static const Display display = { NULL, 0 };
+    static const Display display = { 0 };
     Image ref[2] = { { 0 }, { 0 } }, all = { 0 };
 
     if (!floor_picture("", 4096, 100, &ref[0]) || !floor_picture("", 4096, 101, &ref[1]) ||

@@ -13,11 +13,12 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
     { "error", bench_error }, { "memory", bench_memory }, { "speed", bench_speed },
     { "arity", bench_arity }, { "adaptive", bench_adaptive }, { "zoneplate", bench_zoneplate },
-    { "jitter", bench_jitter },
+    { "jitter", bench_jitter }, { "copyimage", bench_copyimage },
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
+    { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
     { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
     { "moves figures", bench_moves_figures },
 };

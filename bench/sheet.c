@@ -1,9 +1,8 @@
 /* sheet.c -- pictures side by side: bench sheet COLUMNS WIDTH HEIGHT OUT IN... writes a contact
  * sheet, each picture in a cell of its own, made smaller by the mean of the pixels that fall on one
  * of the sheet. What is smaller than its cell keeps its size. */
+#include "base/mem.h"
 #include "bench/bench.h"
-
-#include "image/image.h"
 
 #include <stdlib.h>
 
@@ -37,28 +36,38 @@ static void paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint
             *image_at(all, left + x, top + y) = mean_at(im, x, y, tw, th);
 }
 
+bool sheet_of(const Image *im, uint32_t n, uint32_t columns, uint32_t w, uint32_t h,
+              const char *file)
+{
+    static const Display display = { 0 };
+    Image all;
+    bool ok = image_init(&all, columns * (w + RIM) + RIM,
+                         (n + columns - 1) / columns * (h + RIM) + RIM);
+
+    for (uint32_t k = 0; ok && k < n; k++)
+        paste(&all, &im[k], RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
+    ok = ok && image_write(&all, file, &display);
+    image_clear(&all);
+    return ok;
+}
+
 int sheet(int argc, char **argv)
 {
-    static const Display display = { NULL, 0 };
-    uint32_t columns, w, h, n = (uint32_t)(argc - 4);
-    Image all, im;
-    bool ok;
+    uint32_t n = (uint32_t)(argc - 4);
+    bool ok = true;
+    Image *im;
 
     if (argc < 5 || atoi(argv[0]) < 1 || atoi(argv[1]) < 1 || atoi(argv[2]) < 1) {
         err_usage("expected COLUMNS WIDTH HEIGHT OUT IN...");
         return STATUS_USAGE;
     }
-    columns = (uint32_t)atoi(argv[0]);
-    w = (uint32_t)atoi(argv[1]);
-    h = (uint32_t)atoi(argv[2]);
-    ok = image_init(&all, columns * (w + RIM) + RIM, (n + columns - 1) / columns * (h + RIM) + RIM);
-    for (uint32_t k = 0; ok && k < n; k++) {
-        ok = image_read(&im, argv[4 + k], IMAGE_PIXELS_DEFAULT);
-        if (ok)
-            paste(&all, &im, RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
-        image_clear(&im);
-    }
-    ok = ok && image_write(&all, argv[3], &display);
-    image_clear(&all);
+    im = MEM_ARRAY(Image, n);
+    for (uint32_t k = 0; im && ok && k < n; k++)
+        ok = image_read(&im[k], argv[4 + k], IMAGE_PIXELS_DEFAULT);
+    ok = im && ok && sheet_of(im, n, (uint32_t)atoi(argv[0]), (uint32_t)atoi(argv[1]),
+                              (uint32_t)atoi(argv[2]), argv[3]);
+    for (uint32_t k = 0; im && k < n; k++)
+        image_clear(&im[k]);
+    mem_free(im);
     return ok ? STATUS_OK : STATUS_INPUT;
 }

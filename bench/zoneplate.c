@@ -78,7 +78,7 @@ void bench_zoneplate(void)
         { "box, 1 pixel", "box", 0.5 }, { "box, 2 pixels", "box", 1 },
         { "box, 3 pixels", "box", 1.5 }
     };
-    static const Display display = { NULL, 0 };
+    static const Display display = { 0 };
     int n = 0, panels = 2;
     Image im;
 

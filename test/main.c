@@ -17,7 +17,7 @@
 
 #define SUITES(X) X(maths) X(number) X(base) X(simd) X(sampling) X(bsdf) X(layers) \
     X(principled) X(image) \
-    X(image_png) X(image_pngread) X(textures) X(relief) X(mtl) \
+    X(image_png) X(image_pngread) X(image_exr) X(textures) X(relief) X(mtl) \
     X(statistics) X(image_noise) \
     X(image_compare) X(image_hostile) X(mesh) X(mesh_ply) X(mesh_data) X(mesh_hostile) X(polygon) \
     X(generate) X(figures) X(scenes) X(scenefile) X(scenefile_errors) X(scenefile_things) \
@@ -32,9 +32,9 @@
     X(motion) X(cameras_we) X(bugs) X(faults) X(malformed) X(bytes) X(builds) \
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \
-    X(whitted) X(distributed) X(splats) X(chains) X(light) X(pointtree) \
-    X(photonmap) X(instantradiosity) X(pointgrid) X(progressive) X(irradiance) X(irradiancecache) \
-    X(mutations) X(mlt)
+    X(whitted) X(distributed) X(splats) X(light) X(pointtree) X(photonmap) X(instantradiosity) \
+    X(pointgrid) X(progressive) X(irradiance) X(irradiancecache) X(bidirectional) X(aov) \
+    X(chains) X(pssmlt) X(radiance) X(mutations) X(mlt)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

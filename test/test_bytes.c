@@ -379,7 +379,8 @@ static void extras(void)
 {
     static const char *const EXTRAS[] = {
         "normal", "depth", "albedo", "length:2", "length:3", "strategy:implicit",
-        "strategy:explicit"
+        "strategy:explicit", "geometric", "position", "primitive", "material", "emission", "direct",
+        "indirect", "edges", "variance", "variance:indirect", "samples"
     };
     char line[300];
 

@@ -38,7 +38,7 @@ static bool walker_init(Chains *cs, Chain *c)
 static void walker_clear(Chain *c) { (void)c; }
 
 /* A sample is a state drawn evenly, of density 1 / STATES: so is its brightness divided by that. */
-static float brightness_of(int k) { return STATES * chains_brightness(light_of[k]); }
+static float brightness_of(int k) { return STATES * rgb_lum(light_of[k]); }
 
 static int anywhere(float u) { return (int)(u * STATES); }
 

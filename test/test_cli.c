@@ -268,14 +268,17 @@ static void wrong_settings(void)
         { "tiny.pbrt --quiet --filter=box:xradius=x",
           "box: 'xradius=x' is not right, expected xradius=(a number from 0 to 100)" },
         { "tiny.pbrt --quiet --aov normal",
-          "--aov takes NAME=FILE, with NAME one of normal depth albedo length:N strategy:NAME "
-          "samples" },
-        { "tiny.pbrt --quiet --aov norml=x.pfm", "unknown --aov 'norml', did you mean 'normal'? "
-          "(have: normal depth albedo length:N strategy:NAME samples)" },
+          "--aov takes NAME=FILE; see list aovs" },
         { "tiny.pbrt --quiet --aov=normal:3=x.pfm", "--aov normal takes nothing after ':'" },
         { "tiny.pbrt --quiet --aov length:0=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
         { "tiny.pbrt --quiet --aov length:17=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
         { "tiny.pbrt --quiet --aov length=x.pfm", "--aov length:N takes N from 1 to 16 edges" },
+        { "tiny.pbrt --quiet --aov variance:picture=x.pfm",
+          "--aov variance:NAME takes emission, direct or indirect" },
+        { "tiny.pbrt --quiet --integrator light --aov variance:direct=x.pfm",
+          "--aov variance:NAME wants samples that are a pixel's own, light has others" },
+        { "tiny.pbrt --quiet --integrator light --aov edges=x.pfm",
+          "--aov edges wants samples that are a pixel's own, light has others" },
         { "tiny.pbrt --quiet --aov strategy:both=x.pfm",
           "--aov strategy:NAME takes implicit, explicit, lens or merge" },
         { "tiny.pbrt --quiet --aov depth=x.foo", "x.foo: no image is written with the extension "
@@ -343,7 +346,7 @@ static const struct { const char *name; const void *list; } SETS[] = {
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
     { "media", medium_kinds },
     { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
-    { "adaptives", adaptives },
+    { "adaptives", adaptives },     { "aovs", aovs },
     { "formats", image_formats },   { "tonemaps", tonemaps },
 };
 enum { SETS_N = sizeof SETS / sizeof *SETS };

@@ -55,7 +55,7 @@ static void display_bytes(void)
         { -1.0f, NAN, INFINITY }, { -0.0f, -INFINITY, FLT_MAX }, { 1e-30f, 0.5f, 2.0f }
     };
     static const unsigned char expected[9] = { 0, 0, 255, 0, 0, 255, 0, 188, 255 };
-    Display half = { NULL, -1.0f };
+    Display half = { .exposure = -1.0f };
 
     quantiser_init(&q, NULL);
     for (int i = 0; i < 256; i++) {
@@ -615,7 +615,7 @@ static void same_bytes(void)
                                        (float)((x ^ y) & 24) / 16.0f);
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         FileBytes f;
-        Display d = { tonemap_named(known[i].tonemap), 0.75f };
+        Display d = { .tonemap = tonemap_named(known[i].tonemap), .exposure = 0.75f };
         uint32_t crc;
         REQUIRE(image_write(&im, in_folder(known[i].file), &d), "write");
         REQUIRE(file_read(in_folder(known[i].file), 1 << 20, &f), "file_read");

@@ -543,7 +543,7 @@ static void png_display(void)
     fill_random(&im, &r, -8, 16);
     for (const ToneMap *const *t = tonemaps; *t; t++)
         for (float stops = -2.5f; stops < 3.0f; stops += 2.5f)
-            check_png(&im, &(Display){ *t, stops }, filters);
+            check_png(&im, &(Display){ .tonemap = *t, .exposure = stops }, filters);
     image_clear(&im);
 }
 

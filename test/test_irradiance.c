@@ -187,7 +187,7 @@ static void tree(void)
 
 static IrradianceRecord plain(V3 p, V3 n, float radius, float E)
 {
-    IrradianceRecord r = { p, n, radius, 0.001f, { .E = { E, E, E } } };
+    IrradianceRecord r = { { p, n, radius, 0.001f }, { .E = { E, E, E } } };
     return r;
 }
 
@@ -214,7 +214,7 @@ static void store(void)
         Rgb E, all;
         bool known = irradiance_at(&s, p, n, a, true, &E);
         for (size_t i = 0; i < s.n; i++)
-            irradiance_add(&sum, &s.records[i], p, n, a, true);
+            irradiance_add(&sum, &s.reaches.at[i], &s.of[i], p, n, a, true);
         found += known;
         if (irradiance_mean(&sum, &all) != known)
             EXPECT(false, "the tree and all records differ in whether there is one");
@@ -234,13 +234,13 @@ static void weights(void)
     IrradianceSum sum = { 0, { 0, 0, 0 } };
     Rgb E;
 
-    expect_near(irradiance_error(&r, v3(0.3f, 0.4f, 0), up), 0.25, 1e-6, "by place");
-    expect_near(irradiance_error(&r, v3(0, 0, 0), tilted), sqrt(0.2), 1e-6, "by normal");
-    EXPECT(!is_finite(irradiance_error(&r, v3(0, 0, -0.5f), up)), "a place below it is not passed");
-    EXPECT(is_finite(irradiance_error(&r, v3(0, 0, 0.5f), up)), "a place above it is passed over");
-    irradiance_add(&sum, &r, v3(0.25f, 0, 0), up, 1, true);     /* e = 1/8: 8 - 1 */
-    irradiance_add(&sum, &s, v3(0.25f, 0, 0), up, 1, true);     /* e = 3/8: 8/3 - 1 */
-    irradiance_add(&sum, &s, v3(-1.01f, 0, 0), up, 1, true);    /* e > 1: none */
+    expect_near(reach_error(&r.at, v3(0.3f, 0.4f, 0), up), 0.25, 1e-6, "by place");
+    expect_near(reach_error(&r.at, v3(0, 0, 0), tilted), sqrt(0.2), 1e-6, "by normal");
+    EXPECT(!is_finite(reach_error(&r.at, v3(0, 0, -0.5f), up)), "a place below it is not passed");
+    EXPECT(is_finite(reach_error(&r.at, v3(0, 0, 0.5f), up)), "a place above it is passed over");
+    irradiance_add(&sum, &r.at, &r.of, v3(0.25f, 0, 0), up, 1, true);     /* e = 1/8: 8 - 1 */
+    irradiance_add(&sum, &s.at, &s.of, v3(0.25f, 0, 0), up, 1, true);     /* e = 3/8: 8/3 - 1 */
+    irradiance_add(&sum, &s.at, &s.of, v3(-1.01f, 0, 0), up, 1, true);    /* e > 1: none */
     EXPECT(irradiance_mean(&sum, &E), "no mean");
     expect_near(E.r, (7 * 1 + 5.0 / 3 * 4) / (7 + 5.0 / 3), 1e-5, "mean");
 }
@@ -254,13 +254,13 @@ static void radii(void)
     IrradianceRecord r;
     IrradianceStore s;
 
-    expect_near(irradiance_record(zero, up, &of, 0.1f, 10).radius, 0.5, 1e-6, "distance");
-    expect_near(irradiance_record(zero, up, &of, 0.1f, 0.3f).radius, 0.3, 1e-6, "most");
+    expect_near(irradiance_record(zero, up, &of, 0.1f, 10).at.radius, 0.5, 1e-6, "distance");
+    expect_near(irradiance_record(zero, up, &of, 0.1f, 0.3f).at.radius, 0.3, 1e-6, "most");
     for (int k = 0; k < 3; k++)
         of.move[k] = v3(5, 0, 0);
-    expect_near(irradiance_record(zero, up, &of, 0.1f, 10).radius, 0.2, 1e-6, "gradient");
+    expect_near(irradiance_record(zero, up, &of, 0.1f, 10).at.radius, 0.2, 1e-6, "gradient");
     r = irradiance_record(zero, up, &of, 0.4f, 10);
-    expect_near(r.radius, 0.4, 1e-6, "least");
+    expect_near(r.at.radius, 0.4, 1e-6, "least");
     expect_near(r.of.move[1].x, 2.5, 1e-5, "a gradient beyond its reach");
     REQUIRE(irradiance_init(&s, box, 0.5f), "memory");
     r = plain(zero, up, 1, 1);
@@ -269,9 +269,9 @@ static void radii(void)
     REQUIRE(irradiance_insert(&s, &r), "memory");
     r = plain(v3(-0.1f, 0, 0), up, 3, 1);       /* is shrunk by it */
     REQUIRE(irradiance_insert(&s, &r), "memory");
-    expect_near(s.records[0].radius, 0.3, 1e-6, "a neighbour that was there");
-    expect_near(s.records[1].radius, 0.2, 1e-6, "the small one");
-    expect_near(s.records[2].radius, 0.4, 1e-6, "one that comes later");
+    expect_near(s.reaches.at[0].radius, 0.3, 1e-6, "a neighbour that was there");
+    expect_near(s.reaches.at[1].radius, 0.2, 1e-6, "the small one");
+    expect_near(s.reaches.at[2].radius, 0.4, 1e-6, "one that comes later");
     irradiance_clear(&s);
 }
 

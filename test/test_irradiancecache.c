@@ -1,5 +1,6 @@
-/* test_irradiancecache.c -- pictures by the irradiance cache: closed rooms in closed form, a matt
- * room and rooms of other things against path tracing, what each option does. */
+/* test_irradiancecache.c -- pictures by the caches of irradiance and of radiance: closed rooms in
+ * closed form, a matt room and rooms of other things against path tracing, what each option
+ * does. */
 #include "geometry/generate.h"
 #include "test/pictures.h"
 
@@ -46,26 +47,28 @@ static double difference(const Image *a, const Image *b, const Image *c)
     return sqrt(d_max(squares, 0) / ((double)a->w * a->h));
 }
 
-/* ---- a matt room: two blocks, coloured walls, a lamp below the ceiling ---- */
+/* ---- a room: two blocks, coloured walls, a lamp below the ceiling ---- */
 
-static void room(Lab *l)
+/* The floor and the blocks are of the model. */
+static void room(Lab *l, const char *model, const char *options)
 {
-    uint32_t grey, red, green;
+    uint32_t grey, red, green, things;
     Mesh box;
 
     lab_init(l);
     grey = lab_material(l, "diffuse", "reflectance=0.7");
+    things = lab_material(l, model, options);
     red = lab_material(l, "diffuse", "reflectance=0.7/0.2/0.2");
     green = lab_material(l, "diffuse", "reflectance=0.2/0.7/0.2");
-    lab_quad(l, v3(-1, -1, 0), v3(2, 0, 0), v3(0, 2, 0), grey);
+    lab_quad(l, v3(-1, -1, 0), v3(2, 0, 0), v3(0, 2, 0), things);
     lab_quad(l, v3(-1, -1, 2), v3(0, 2, 0), v3(2, 0, 0), grey);
     lab_quad(l, v3(-1, 1, 0), v3(2, 0, 0), v3(0, 0, 2), grey);
     lab_quad(l, v3(-1, -1, 0), v3(0, 2, 0), v3(0, 0, 2), red);
     lab_quad(l, v3(1, -1, 0), v3(0, 0, 2), v3(0, 2, 0), green);
     REQUIRE(mesh_box(&box, v3(-0.7f, 0, 0.001f), v3(-0.1f, 0.6f, 1.1f)), "memory");
-    lab_mesh(l, &box, grey, false);
+    lab_mesh(l, &box, things, false);
     REQUIRE(mesh_box(&box, v3(0.2f, -0.6f, 0.001f), v3(0.7f, -0.1f, 0.5f)), "memory");
-    lab_mesh(l, &box, grey, false);
+    lab_mesh(l, &box, things, false);
     lab_shine(l, lab_quad(l, v3(-0.4f, -0.4f, 1.95f), v3(0, 0.8f, 0), v3(0.8f, 0, 0), grey),
               "L=8");
     lab_camera(l, v3(0, -3.4f, 1), v3(0, 0, 1), 40, "");
@@ -92,16 +95,17 @@ static Image indirect(Lab *l, const char *method, const char *options, int maxde
 }
 
 /* Light scattered more than once, by records and by path: how far off are the mean and pixels, of
- * the mean of all light? Each of the options is a picture. */
-static void compare(Lab *l, const char *const *options, int n, int maxdepth, uint32_t spp,
-                    double *bias, double *sigma)
+ * the mean of all light? Each of the methods with options, as text for `indirect`, is a picture. */
+typedef struct { const char *method, *options; uint32_t spp; } Way;
+static void compare(Lab *l, const Way *ways, int n, int maxdepth, uint32_t spp, double *bias,
+                    double *sigma)
 {
     double whole, own;
     Image b = indirect(l, "path", "", maxdepth, spp, 1, &whole);
     Image c = indirect(l, "path", "", maxdepth, spp, 2, &own);
 
     for (int i = 0; i < n; i++) {
-        Image a = indirect(l, "irradiancecache", options[i], maxdepth, 16, 3, &own);
+        Image a = indirect(l, ways[i].method, ways[i].options, maxdepth, ways[i].spp, 3, &own);
         bias[i] = (mean_of(&a) - 0.5 * (mean_of(&b) + mean_of(&c))) / whole;
         sigma[i] = difference(&a, &b, &c) / whole;
         image_clear(&a);
@@ -113,28 +117,50 @@ static void compare(Lab *l, const char *const *options, int n, int maxdepth, uin
 /* Within 3 % sigma/mu of the truth, at default accuracy. */
 static void matt_room(void)
 {
-    static const char *const options[] = { "" };
+    static const Way way = { "irradiancecache", "", 16 };
     double bias, sigma;
     Lab l;
 
-    room(&l);
-    compare(&l, options, 1, 9, 32, &bias, &sigma);
+    room(&l, "diffuse", "reflectance=0.7");
+    compare(&l, &way, 1, 9, 32, &bias, &sigma);
     EXPECT(sigma < 0.03, "sigma/mu is %g", sigma);
     EXPECT(fabs(bias) < 0.005, "the mean is off by %g", bias);
     lab_clear(&l);
+}
+
+/* A glossy floor and glossy blocks: the mean is path's, and what is looked up has less noise than
+ * what is followed. With steep lobes, which are followed but for their skirts, no more. */
+static void glossy_room(void)
+{
+    static const char *const lobes[] = { "reflectance=0.2,specular=0.6,exponent=8",
+                                         "reflectance=0,specular=0.8,exponent=40" };
+    static const Way ways[] = { { "radiancecache", "", 2 }, { "irradiancecache", "", 2 } };
+
+    for (int i = 0; i < 2; i++) {
+        double bias[2], sigma[2];
+        Lab l;
+        room(&l, "phong", lobes[i]);
+        compare(&l, ways, 2, 6, 16, bias, sigma);
+        EXPECT(sigma[0] < 0.04 && sigma[0] < (i ? 1.1 : 0.9) * sigma[1],
+               "%s: sigma/mu is %g, without lookup %g", lobes[i], sigma[0], sigma[1]);
+        EXPECT(fabs(bias[0]) < 0.005, "%s: the mean is off by %g", lobes[i], bias[0]);
+        lab_clear(&l);
+    }
 }
 
 /* Fewer records, further apart: worse. With so many rays that noise is not
  * what differs. */
 static void accuracy(void)
 {
-    static const char *const options[] = { "rays=1000,minspacing=2,accuracy=0.15,",
-                                           "rays=1000,minspacing=2,accuracy=0.5," };
+    static const Way ways[] = {
+        { "irradiancecache", "rays=1000,minspacing=2,accuracy=0.15,", 16 },
+        { "irradiancecache", "rays=1000,minspacing=2,accuracy=0.5,", 16 }
+    };
     double bias[2], sigma[2];
     Lab l;
 
-    room(&l);
-    compare(&l, options, 2, 2, 32, bias, sigma);
+    room(&l, "diffuse", "reflectance=0.7");
+    compare(&l, ways, 2, 2, 32, bias, sigma);
     EXPECT(sigma[0] < 0.7 * sigma[1], "accuracy 0.1 and 0.5 are off by %g and %g", sigma[0],
            sigma[1]);
     lab_clear(&l);
@@ -183,12 +209,12 @@ static void lazy(void)
 
 static void same_bytes(void)
 {
-    static const char *const methods[] = { "irradiancecache:rays=30",
+    static const char *const methods[] = { "irradiancecache:rays=30", "radiancecache:rays=30",
                                            "irradiancecache:rays=30,overture=false" };
     Lab l;
 
-    room(&l);
-    for (int i = 0; i < 2; i++) {
+    room(&l, "phong", "reflectance=0.4,specular=0.4,exponent=5");
+    for (int i = 0; i < 3; i++) {
         RenderSettings s;
         RenderReport report;
         Film one, three;
@@ -210,7 +236,7 @@ static void same_bytes(void)
 static void furnace(void)
 {
     static const char *const methods[] = {
-        "irradiancecache:maxdepth=200,rays=200",
+        "irradiancecache:maxdepth=200,rays=200", "radiancecache:maxdepth=200,rays=200",
         "irradiancecache:maxdepth=200,rays=200,overture=false",
         "irradiancecache:maxdepth=200,rays=200,gradients=false,accuracy=1"
     };
@@ -222,7 +248,7 @@ static void furnace(void)
                              "reflectance=0.1/0.5/0.8"), true), "L=1/2/4");
     lab_camera(&l, v3(0.5f, -1, 0.2f), v3(0, 0, 0), 90, "");
     lab_build(&l);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         Image im = picture_of(&l, methods[i], 4, 3);
         for (int c = 0; c < 3; c++) {
             double sum = 0;
@@ -258,7 +284,7 @@ static void materials(void)
     };
 
     for (size_t i = 0; i < sizeof things / sizeof *things; i++) {
-        const char *options = "rays=300,";
+        const Way way = { "irradiancecache", "rays=300,", 16 };
         double bias, sigma;
         Lab l;
         lab_init(&l);
@@ -273,7 +299,7 @@ static void materials(void)
         add_lamp(&l);
         lab_camera(&l, v3(0, -4, 1.5f), v3(0, 0, 0.9f), 45, "");
         lab_build(&l);
-        compare(&l, &options, 1, 6, 16, &bias, &sigma);
+        compare(&l, &way, 1, 6, 16, &bias, &sigma);
         EXPECT(fabs(bias) < 0.01, "%s: the mean is off by %g", things[i][0], bias);
         EXPECT(sigma < (i == 0 || i == 2 || i == 3 ? 0.06 : 0.13), "%s: pixels are off by %g",
                things[i][0], sigma);
@@ -288,7 +314,9 @@ static void extremes(void)
     static const char *const methods[] = { "irradiancecache:rays=1", "irradiancecache:maxdepth=0",
                                            "irradiancecache:maxdepth=1",
                                            "irradiancecache:rays=1,overture=false",
-                                           "irradiancecache:minspacing=1e6,maxspacing=0.01" };
+                                           "irradiancecache:minspacing=1e6,maxspacing=0.01",
+                                           "radiancecache:rays=1,bands=10",
+                                           "radiancecache:sharpest=0" };
     Image im, truth;
     Lab l;
 
@@ -305,7 +333,7 @@ static void extremes(void)
         }
         lab_clear(&l);
     }
-    room(&l);
+    room(&l, "diffuse", "reflectance=0.7");
     im = picture_of(&l, "irradiancecache:maxdepth=1", 4, 1);
     truth = picture_of(&l, "path:maxdepth=1", 4, 1);
     EXPECT(fabs(mean_of(&im) / mean_of(&truth) - 1) < 1e-5, "direct light alone");
@@ -319,6 +347,7 @@ static void extremes(void)
 
 const TestCase test_irradiancecache[] = {
     { "matt_room", matt_room, false },
+    { "glossy_room", glossy_room, false },
     { "accuracy", accuracy, false },
     { "lazy", lazy, false },
     { "same_bytes", same_bytes, false },

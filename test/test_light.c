@@ -197,10 +197,10 @@ static void photons_on_a_ball(void)
 /* Bytes do not depend on threads; parts by length and strategy add up to the picture. */
 static void parts(void)
 {
-    static const char *const aovs[] = { "strategy:implicit=a.pfm", "strategy:lens=b.pfm",
+    static const char *const names[] = { "strategy:implicit=a.pfm", "strategy:lens=b.pfm",
                                         "length:1=c.pfm", "length:2=d.pfm", "length:3=e.pfm",
                                         "length:4=f.pfm", "length:5=g.pfm" };
-    enum { AOVS = sizeof aovs / sizeof *aovs };
+    enum { AOVS = sizeof names / sizeof *names };
     Image part[1 + AOVS];
     RenderSettings s;
     RenderReport report;
@@ -214,7 +214,7 @@ static void parts(void)
     lab_build(&l);
     picture_settings(&l, &s, "light:maxdepth=4@zerotwo@gaussian", 40, 24, 3);
     for (int k = 0; k < AOVS; k++)
-        REQUIRE(aov_parse(&s.aovs[k], aovs[k]), "%s", aovs[k]);
+        REQUIRE(aov_parse(&s.aovs[k], names[k]), "%s", names[k]);
     s.naovs = AOVS;
     picture_render(&l, &s, &one, &report);
     EXPECT(report.spp == 3 && one.splats->shots == 40 * 24 * 3, "%g samples a pixel", report.spp);

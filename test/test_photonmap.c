@@ -394,7 +394,8 @@ static void views(void)
     lab_clear(&l);
 }
 
-/* The caustic of a ball of glass, by its own map and by chance, and what the glass shows. */
+/* The caustic of a ball of glass, by its own map and by chance, and what the glass shows; also with
+ * records of irradiance for the rest. */
 static void caustic(void)
 {
     static const char *const methods[] = {
@@ -402,6 +403,8 @@ static void caustic(void)
         "photonmap:view=gather,photons=5000,caustics=5000,neighbours=30,gather=4,maxdepth=4",
         "photonmap:view=direct,photons=8000,neighbours=30,caustics=0,maxdepth=4,radius=0.3",
         "photonmap:view=gather,photons=5000,caustics=0,gather=24,maxdepth=4",
+        "irradiancecache:photons=5000,caustics=5000,neighbours=30,rays=100,maxdepth=4",
+        "irradiancecache:photons=0,caustics=5000,neighbours=30,rays=100,maxdepth=4",
     };
     Series path, map;
     Lab l;
@@ -414,7 +417,7 @@ static void caustic(void)
     lab_camera(&l, v3(2.2f, -2.5f, 2), v3(1.2f, 0, 0), 40, "");
     lab_build(&l);
     series_render(&l, &path, "path:maxdepth=4", 24, 48, 1);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 6; k++) {
         Apart by;
         series_render(&l, &map, methods[k], 24, 2, 30 + (uint64_t)k);
         by = apart(&map, &path);

@@ -156,7 +156,7 @@ static void nearest(void)
 
     for (int cloud = 0; cloud < 5; cloud++) {
         fill(at, POINTS, cloud, &r);
-        REQUIRE(pointgrid_build(&pp.grid, at, POINTS, 0.1f), "memory");
+        REQUIRE(pointgrid_build(&pp.arrivals.grid, at, POINTS, 0.1f), "memory");
         for (int k = 1; k < 200; k += 11) {
             V3 p = point_of(cloud, &r);
             float most = k % 2 ? 0.3f : 10, reach = photonpass_reach(&pp, p, k, most);
@@ -169,7 +169,7 @@ static void nearest(void)
         }
     }
     EXPECT(photonpass_reach(&pp, v3(0, 0, 0), NEAREST_MOST, 0.01f) == 0.01f, "few are near");
-    pointgrid_clear(&pp.grid);
+    pointgrid_clear(&pp.arrivals.grid);
 }
 
 static void no_memory(void)

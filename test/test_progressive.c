@@ -237,10 +237,10 @@ static void any_scene(Lab *l)
 /* Bytes do not depend on threads; parts by length and strategy add up to the picture. */
 static void parts_of(Lab *l, const char *method)
 {
-    static const char *const aovs[] = { "strategy:implicit=a.pfm", "strategy:explicit=b.pfm",
+    static const char *const names[] = { "strategy:implicit=a.pfm", "strategy:explicit=b.pfm",
                                         "strategy:merge=c.pfm", "length:1=d.pfm", "length:2=e.pfm",
                                         "length:3=f.pfm", "length:4=g.pfm", "length:5=h.pfm" };
-    enum { AOVS = sizeof aovs / sizeof *aovs };
+    enum { AOVS = sizeof names / sizeof *names };
     Image part[1 + AOVS];
     RenderSettings s;
     RenderReport report;
@@ -248,7 +248,7 @@ static void parts_of(Lab *l, const char *method)
 
     picture_settings(l, &s, method, 40, 24, 3);
     for (int k = 0; k < AOVS; k++)
-        REQUIRE(aov_parse(&s.aovs[k], aovs[k]), "%s", aovs[k]);
+        REQUIRE(aov_parse(&s.aovs[k], names[k]), "%s", names[k]);
     s.naovs = AOVS;
     picture_render(l, &s, &one, &report);
     s.threads = 3;

@@ -129,7 +129,7 @@ static void noisy_reference(void)
 /* A picture of the truth, plus grey noise of deviation `spread` if any. */
 static void write_reference(const char *path, double spread, uint64_t seed)
 {
-    Display plain = { NULL, 0 };
+    Display plain = { 0 };
     Rng rng = rng_seed(seed);
     Image im;
 

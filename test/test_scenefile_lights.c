@@ -17,7 +17,7 @@ static Rgb power_of(const SceneFile *f, size_t k)
 /* Red to the right, green downwards. */
 static void picture(const char *name, uint32_t w, uint32_t h)
 {
-    static const Display none = { NULL, 0 };
+    static const Display none = { 0 };
     Image im;
 
     REQUIRE(image_init(&im, w, h), "memory");

@@ -73,7 +73,7 @@ static void print_difference(const ImageDifference *d, const FamilyTest *f)
 static bool write_difference(const Line *l, const Image *a, const Image *b)
 {
     const ImageFormat *format = image_format_for_writing(l->diff);
-    Display plain = { NULL, 0 };
+    Display plain = { 0 };
     Image im;
     bool ok;
 

@@ -4,11 +4,13 @@
 
 #include <string.h>
 
-enum { ARG_TONEMAP, ARG_EXPOSURE, ARG_MAX_PIXELS };
+enum { ARG_TONEMAP, ARG_EXPOSURE, ARG_LAYER, ARG_UNCOMPRESSED, ARG_MAX_PIXELS };
 
 static const ArgDef args[] = {
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "factor 2^STOPS" },
+    { "--layer", "NAME", "of an EXR file; default: its picture" },
+    { "--uncompressed", NULL, ".exr files are not packed" },
     { "--max-pixels", "N", "of an image; default 268435456" },
     { NULL, NULL, NULL }
 };
@@ -17,6 +19,7 @@ typedef struct {
     const char *file[2];
     int nfiles;
     Display display;
+    const char *layer;
     int64_t max_pixels;
 } Line;
 
@@ -34,6 +37,8 @@ static bool set(void *ctx, int k, const char *value)
             return false;
         l->display.exposure = (float)x;
         return true;
+    case ARG_LAYER:        l->layer = value; return true;
+    case ARG_UNCOMPRESSED: l->display.uncompressed = true; return true;
     case ARG_MAX_PIXELS:
         return arg_int("--max-pixels", value, 1, (int64_t)1 << 40, &l->max_pixels);
     default:
@@ -60,7 +65,7 @@ static void expose(Image *im, float stops)
 
 static int run(int argc, char **argv)
 {
-    Line l = { { NULL, NULL }, 0, { NULL, 0 }, (int64_t)IMAGE_PIXELS_DEFAULT };
+    Line l = { .max_pixels = (int64_t)IMAGE_PIXELS_DEFAULT };
     const ImageFormat *format;
     Image im = { 0 };
     bool ok;
@@ -72,7 +77,8 @@ static int run(int argc, char **argv)
         return STATUS_USAGE;
     }
     format = image_format_for_writing(l.file[1]);
-    ok = format && image_read(&im, l.file[0], (uint64_t)l.max_pixels);
+    ok = format && (l.layer ? image_read_layer(&im, l.file[0], (uint64_t)l.max_pixels, l.layer)
+                            : image_read(&im, l.file[0], (uint64_t)l.max_pixels));
     if (ok && im.alpha)
         ok = warn_at((Place){ l.file[0], 0, 0 }, "it has opacities (alpha), which no format that "
                      "is written has; they are left out");

@@ -13,7 +13,7 @@ static const struct { const char *name; const void *list; } sets[] = {
     { "integrators", integrators }, { "accelerators", accels }, { "samplers", samplers },
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
     { "media", medium_kinds },      { "shapes", shape_readers }, { "cameras", cameras },
-    { "filters", filters },         { "adaptives", adaptives },
+    { "filters", filters },         { "adaptives", adaptives },     { "aovs", aovs },
     { "formats", image_formats },   { "tonemaps", tonemaps },
 };
 enum { SETS = sizeof sets / sizeof sets[0] };

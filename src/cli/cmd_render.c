@@ -4,6 +4,7 @@
 #include "base/work.h"
 #include "cli/args.h"
 #include "cli/interrupt.h"
+#include "cli/outputs.h"
 #include "cli/sceneargs.h"
 
 #include <stdio.h>
@@ -11,7 +12,7 @@
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_TONEMAP,
-    ARG_EXPOSURE, ARG_SCENE
+    ARG_EXPOSURE, ARG_UNCOMPRESSED, ARG_SCENE
 };
 
 static const ArgDef args[] = {
@@ -21,27 +22,26 @@ static const ArgDef args[] = {
     { "--time", "SECONDS", "of rendering, instead of a sample count" },
     { "--error", "X", "stop at this estimated sigma/mu" },
     { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
-    { "--aov", "NAME=FILE", "extra picture: normal depth albedo length:N strategy:NAME samples" },
+    { "--aov", "NAME=FILE", "extra picture; see list aovs; those in one .exr are its layers" },
     { "--tonemap", "NAME", "for display formats; see list tonemaps" },
     { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
+    { "--uncompressed", NULL, ".exr files are not packed" },
     SCENE_ARGS,
     { NULL, NULL, NULL }
 };
 
 typedef struct {
     const char *scene;
-    const char *outputs[OUTPUTS_MAX];
-    int noutputs;
+    Outputs outputs;
     RenderRequest request;
     ReadLimits limits;
-    Display display;
     const volatile sig_atomic_t *stop;
 } Line;
 
 static bool set_aov(Line *l, const char *value)
 {
-    if (l->request.naovs == AOVS_MAX)
-        return err_usage("at most %d --aov are possible", AOVS_MAX);
+    if (l->request.naovs == AOVS_ASKED)
+        return err_usage("at most %d --aov are possible", AOVS_ASKED);
     l->request.aovs[l->request.naovs++] = value;
     return true;
 }
@@ -59,7 +59,7 @@ static bool set_number(Line *l, int k, const char *value)
     case ARG_TIME:     ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
     case ARG_ERROR:    ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
     case ARG_EXPOSURE: ok = arg_number(name, value, -100, 100, &x);
-                       l->display.exposure = (float)x; break;
+                       l->outputs.display.exposure = (float)x; break;
     default: break;
     }
     return ok;
@@ -76,62 +76,22 @@ static bool set(void *ctx, int k, const char *value)
             return err_usage("render takes one scene, got '%s' and '%s'", l->scene, value);
         l->scene = value;
         return true;
-    case ARG_OUTPUT:     return output_add(l->outputs, &l->noutputs, value);
+    case ARG_OUTPUT:     return output_add(l->outputs.pictures, &l->outputs.n, value);
     case ARG_INTEGRATOR: q->integrator = value; return true;
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_AOV:        return set_aov(l, value);
     case ARG_TONEMAP:
-        l->display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper", value);
-        return l->display.tonemap != NULL;
+        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper",
+                                                  value);
+        return l->outputs.display.tonemap != NULL;
+    case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
     default:
         return k < ARG_SCENE ? set_number(l, k, value)
                              : scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
     }
 }
 
-/* ---- output ---- */
-
-static bool write_layer(const Film *f, int layer, const Aov *aov, const char *path,
-                        const Display *display)
-{
-    const ImageFormat *format = image_format_for_writing(path);
-    Image im;
-    bool ok;
-
-    if (!format || !image_init(&im, f->w, f->h))
-        return false;
-    if (aov)
-        aov_picture(aov, f, layer - 1, &im);
-    else
-        film_picture(f, layer, &im);
-    if (aov && !format->linear)
-        aov_display(aov, &im);
-    ok = format->write(&im, path, display);
-    image_clear(&im);
-    return ok;
-}
-
-/* Before the hours of rendering, not after them. */
-static bool outputs_possible(const Line *l, const RenderSettings *s)
-{
-    for (int i = 0; i < l->noutputs; i++)
-        if (!out_possible(l->outputs[i]))
-            return false;
-    for (int i = 0; i < s->naovs; i++)
-        if (!out_possible(s->aovs[i].file))
-            return false;
-    return true;
-}
-
-static bool write_all(const Film *f, const Line *l, const RenderSettings *s)
-{
-    bool ok = true;
-    for (int i = 0; i < l->noutputs; i++)
-        ok = write_layer(f, 0, NULL, l->outputs[i], &l->display) && ok;
-    for (int i = 0; i < s->naovs; i++)
-        ok = write_layer(f, 1 + i, &s->aovs[i], s->aovs[i].file, &l->display) && ok;
-    return ok;
-}
+/* ---- the job ---- */
 
 static void summary(const RenderReport *r, const Film *f, const Line *l)
 {
@@ -140,15 +100,14 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
 
     number_print_fixed(e, error, 4);
     note("%s%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
-         "estimated sigma/mu %s", l->noutputs ? l->outputs[0] : "", l->noutputs ? "" : "picture",
+         "estimated sigma/mu %s",
+         l->outputs.n ? l->outputs.pictures[0] : "", l->outputs.n ? "" : "picture",
          r->interrupted ? " (interrupted)" : "", (double)r->samples / ((double)f->w * f->h),
          clock_text(t, sizeof t, r->seconds),
          r->seconds > 0 ? (double)r->rays * 1e-6 / r->seconds : 0,
          r->cpu_seconds > 0 ? (double)r->samples * 1e-6 / r->cpu_seconds : 0,
          error < INFINITY ? e : "unknown");
 }
-
-/* ---- the job ---- */
 
 /* Where the picture goes if the command line does not say: the scene's own name for it if we can
  * write that, else the scene's name with .png. Beside the current folder, as people expect. */
@@ -158,13 +117,13 @@ static bool choose_output(Line *l, SceneFile *f)
     size_t n;
     char *made;
 
-    if (l->noutputs)
+    if (l->outputs.n)
         return true;
     if (name) {
         const char *ext = path_extension(name);
         for (int i = 0; image_formats[i]; i++)
             if (image_formats[i]->write && !strcmp(image_formats[i]->info.name, ext)) {
-                l->outputs[l->noutputs++] = name;
+                l->outputs.pictures[l->outputs.n++] = name;
                 return true;
             }
     } else
@@ -177,7 +136,7 @@ static bool choose_output(Line *l, SceneFile *f)
         return false;
     memcpy(made, name, n);
     memcpy(made + n, ".png", 5);
-    l->outputs[l->noutputs++] = made;
+    l->outputs.pictures[l->outputs.n++] = made;
     return true;
 }
 
@@ -191,7 +150,7 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
     bool ok;
 
     if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
-        !outputs_possible(l, &s))
+        !outputs_possible(&l->outputs, &s))
         return false;
     s.stop = l->stop;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
@@ -201,7 +160,7 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
          clock_text(t, sizeof t, clock_wall() - start), (double)mem_bytes() / 1048576.0);
     if (!render(f->scene, &s, &film, &report))
         return false;
-    ok = write_all(&film, l, &s);
+    ok = outputs_write(&l->outputs, &s, &film);
     if (ok)
         summary(&report, &film, l);
     if (report.interrupted)

@@ -140,13 +140,17 @@ bool pointgrid_build(PointGrid *g, const V3 *at, size_t n, float edge)
 
 /* ---- queries ---- */
 
+static uint32_t first_bucket(const PointWalk *w, int32_t y, int32_t z)
+{
+    return (row_hash(y, z) + (uint32_t)w->x0) & w->g->mask;
+}
+
 /* The run of the row (w->y, w->z). */
 static void enter(PointWalk *w)
 {
     const PointGrid *g = w->g;
-    uint32_t size = (uint32_t)(w->x1 - w->x0) + 1, first, last;
+    uint32_t size = (uint32_t)(w->x1 - w->x0) + 1, first = first_bucket(w, w->y, w->z), last;
 
-    first = (row_hash(w->y, w->z) + (uint32_t)w->x0) & g->mask;
     last = (first + size - 1) & g->mask;
     w->at = g->start[first];
     w->at2 = w->end2 = 0;
@@ -178,6 +182,19 @@ bool pointgrid_next_run(PointWalk *w)
     return true;
 }
 
+static double cells(int32_t lo, int32_t hi) { return (double)hi - lo + 1; }
+
+/* Nothing of the grid is likely to be in a cache. So the first points of all runs are sent for at
+ * once, and whoever has other work does it before the walk. */
+static void foresee(const PointWalk *w)
+{
+    if (cells(w->y0, w->y1) * cells(w->z, w->z1) > 4.0)
+        return;
+    for (int32_t z = w->z; z <= w->z1; z++)
+        for (int32_t y = w->y0; y <= w->y1; y++)
+            PREFETCH(&w->g->points[w->g->start[first_bucket(w, y, z)]]);
+}
+
 /* Cells from v - r to v + r, and a little more: of a point that rounding puts at a distance below
  * r, the coordinate may lie outside by 2 units in the last place of r and of v. */
 static void range(const PointGrid *g, float v, float r, int32_t *lo, int32_t *hi)
@@ -187,8 +204,6 @@ static void range(const PointGrid *g, float v, float r, int32_t *lo, int32_t *hi
     *lo = pointgrid_cell(g, v - wide);
     *hi = pointgrid_cell(g, v + wide);
 }
-
-static double cells(int32_t lo, int32_t hi) { return (double)hi - lo + 1; }
 
 PointWalk pointgrid_walk(const PointGrid *g, V3 p, float r)
 {
@@ -209,6 +224,7 @@ PointWalk pointgrid_walk(const PointGrid *g, V3 p, float r)
         w.all = true;
         w.end = (uint32_t)g->n;
     } else {
+        foresee(&w);
         enter(&w);
     }
     return w;

@@ -285,6 +285,48 @@ void film_counts(const Film *f, Image *im)
 
 /* ---- noise ---- */
 
+/* Q of the pixel's block of 2^k samples. */
+static double block_q(const Film *f, size_t pixel, int k)
+{
+    const float *m = f->marks + pixel * FILM_MARKS;
+    double d = (double)m[k % FILM_MARKS] - (double)m[(k - 1) % FILM_MARKS];
+    return d * d;
+}
+
+/* Of a component. Of one sample nobody knows: its own square, as large as it may be. */
+static float variance_of(const Exact *sum, const Exact *squares, uint32_t n)
+{
+    double mean, v;
+
+    if (n < 2)
+        return (float)exact_value(squares);
+    mean = exact_value(sum) / n;
+    v = (exact_value(squares) / n - mean * mean) / (n - 1);
+    return v > 0 ? (float)v : 0.0f;
+}
+
+static float variance_of_passes(const Film *f, size_t pixel)
+{
+    int k = f->passes ? log2_of(f->passes) : 0;
+    double q = k ? block_q(f, pixel, k) : f_sqr(rgb_lum(value_of(f, 0, pixel)));
+
+    return (float)(q * (k ? (double)((uint32_t)1 << k) / f->passes : 1));
+}
+
+void film_variance(const Film *f, int layer, int squares, Image *im)
+{
+    size_t n = (size_t)f->w * f->h;
+
+    for (size_t i = 0; i < n; i++) {
+        const Exact *a = f->sums + ((size_t)layer * n + i) * 3;
+        const Exact *b = f->sums + ((size_t)squares * n + i) * 3;
+        im->pixels[i] = f->splats ? rgb_all(variance_of_passes(f, i))
+                                  : rgb(variance_of(&a[0], &b[0], f->counts[i]),
+                                        variance_of(&a[1], &b[1], f->counts[i]),
+                                        variance_of(&a[2], &b[2], f->counts[i]));
+    }
+}
+
 /* Variance of the pixels' means, summed, from the spread of the samples within pixels: of each tile
  * the pooled variance of a sample, [squares - n mean^2] / [n - 1], over the samples of each pixel.
  * Adds the means up in *mean. False: a pixel has less than two samples. */
@@ -317,15 +359,8 @@ double film_decay(double last, double before)
     return r < DECAY_OF_EDGES ? DECAY_OF_EDGES : r > 0.5 ? 0.5 : r;
 }
 
-/* Q of the pixel's block of 2^k samples. */
-static double block_q(const Film *f, size_t pixel, int k)
-{
-    const float *m = f->marks + pixel * FILM_MARKS;
-    double d = (double)m[k % FILM_MARKS] - (double)m[(k - 1) % FILM_MARKS];
-    return d * d;
-}
-
-/* The same from the means of blocks; every pixel has two samples, or there were two passes. */
+/* The variance of the pixels' means, summed, from the means of blocks; every pixel has two samples,
+ * or there were two passes. */
 static double block_variance(const Film *f)
 {
     double sum = 0, last = 0, before = 0;

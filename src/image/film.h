@@ -70,6 +70,10 @@ void film_drop(Film *f, uint32_t x, uint32_t y, double sum, double squares);
 /* Samples of each pixel, as a grey picture of the window's size. */
 void film_counts(const Film *f, Image *im);
 
+/* Variance of the mean of each pixel of a layer, whose samples' squares are in layer `squares`; of
+ * a film with splats, from two halves of its passes, grey, of the picture. */
+void film_variance(const Film *f, int layer, int squares, Image *im);
+
 /* A film with splats has had one whole pass more: a mean of passes is what its picture is then. */
 void film_pass(Film *f);
 

@@ -7,11 +7,12 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "image/exr.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define FORMATS(X) X(pfm) X(hdr) X(png) X(ppm) X(tga)
+#define FORMATS(X) X(pfm) X(hdr) X(exr) X(png) X(ppm) X(tga)
 #define DECLARE(name) extern const ImageFormat image_format_##name;
 #define ENTRY(name) &image_format_##name,
 FORMATS(DECLARE)
@@ -113,8 +114,7 @@ const ImageFormat *image_format_for_writing(const char *path)
 static const char *foreign_kind(const unsigned char *b, size_t n)
 {
     static const struct { const char *name, *begin; size_t n, at; } kinds[] = {
-        { "JPEG", "\xFF\xD8\xFF", 3, 0 }, { "EXR", "\x76\x2F\x31\x01", 4, 0 },
-        { "GIF", "GIF8", 4, 0 },
+        { "JPEG", "\xFF\xD8\xFF", 3, 0 }, { "GIF", "GIF8", 4, 0 },
         { "BMP", "BM", 2, 0 }, { "TIFF", "II*\0", 4, 0 }, { "TIFF", "MM\0*", 4, 0 },
         { "WebP", "WEBP", 4, 8 }, { "DDS", "DDS ", 4, 0 }, { "Ptex", "Ptex", 4, 0 },
         { "HEIF", "ftyp", 4, 4 }
@@ -136,8 +136,7 @@ static bool read_bytes(Image *im, const char *path, const unsigned char *bytes, 
     extensions_that(false, names, sizeof names);
     if (foreign)
         return err_at(at, "is a %s file, one of these was expected: %s (another program can "
-                      "convert it, for instance: magick IN OUT.%s)", foreign, names,
-                      strcmp(foreign, "EXR") ? "png" : "pfm");
+                      "convert it, for instance: magick IN OUT.png)", foreign, names);
     for (const ImageFormat *const *f = image_formats; *f; f++) {
         if (!(*f)->detect(bytes, n))
             continue;
@@ -164,6 +163,23 @@ bool image_read_as(Image *im, const char *path, uint64_t max_pixels, Encoding en
         return false;
     ok = read_bytes(im, path, (const unsigned char *)f.bytes, f.size, max_pixels,
                     encoding);
+    file_clear(&f);
+    return ok;
+}
+
+bool image_read_layer(Image *im, const char *path, uint64_t max_pixels, const char *layer)
+{
+    FileBytes f;
+    bool ok;
+
+    memset(im, 0, sizeof *im);
+    if (!file_read(path, FILE_LIMIT_DEFAULT, &f))
+        return false;
+    if (image_format_exr.detect((const unsigned char *)f.bytes, f.size))
+        ok = exr_read(im, path, (const unsigned char *)f.bytes, f.size, max_pixels, layer);
+    else
+        ok = err_at((Place){ path, 0, 0 }, "only EXR files have layers, --layer %s was asked for",
+                    layer);
     file_clear(&f);
     return ok;
 }

@@ -27,7 +27,11 @@ static inline Rgb *image_at(const Image *im, uint32_t x, uint32_t y)
 /* How display formats (png, ppm) get their bytes: v = tonemap(2^exposure * linear), then the sRGB
  * curve, rounded. tonemap NULL: clamp. Formats that hold floats store the linear values. */
 typedef struct ToneMap ToneMap;
-typedef struct { const ToneMap *tonemap; float exposure; } Display;
+typedef struct {
+    const ToneMap *tonemap;
+    float exposure;
+    bool  uncompressed;                                 /* of formats that may be either (exr) */
+} Display;
 
 struct ToneMap {
     KindInfo info;
@@ -64,6 +68,8 @@ const ImageFormat *image_format_for_writing(const char *path);
 /* Format by the bytes, not by the name. */
 bool image_read(Image *im, const char *path, uint64_t max_pixels);     /* ENCODING_BY_FILE */
 bool image_read_as(Image *im, const char *path, uint64_t max_pixels, Encoding encoding);
+/* A layer of an EXR file, "" the picture; other formats have no layers. */
+bool image_read_layer(Image *im, const char *path, uint64_t max_pixels, const char *layer);
 bool image_write(const Image *im, const char *path, const Display *display);
 
 float srgb_encode(float linear);        /* both clamp to [0,1] */

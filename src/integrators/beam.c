@@ -50,6 +50,39 @@ bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t)
     return !rgb_black(b->throughput);
 }
 
+/* The chance that a fork is taken; its weight follows. */
+static bool is_taken(Beam *b, Tracer *t)
+{
+    const float weak = 0.02f;   /* half of what glass reflects from the front */
+    float q = beam_strength(b) / weak;
+
+    if (!(q > 0.0f) || q >= 1.0f)
+        return q > 0.0f;
+    if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, b->depth)) >= q)
+        return false;
+    b->throughput = rgb_scale(b->throughput, 1.0f / q);
+    return true;
+}
+
+bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t)
+{
+    BsdfSample s[BSDF_DELTAS];
+    int n;
+
+    if (b->depth >= FORKED || b->way < 0.0f || !(v->b->flags & BSDF_SPECULAR))
+        return false;
+    n = bsdf_deltas(v->b, v->wo, s);
+    for (int k = 0; k < n; k++) {
+        Beam on = *b;
+        if (!vertex_turns(v, &s[k]))
+            continue;
+        beam_turn(&on, v, &s[k]);
+        if (is_taken(&on, t))
+            f->waiting[f->n++] = on;
+    }
+    return true;
+}
+
 bool beam_survives(Beam *b, int roulette, Tracer *t)
 {
     float q;

@@ -57,6 +57,26 @@ void beam_turn(Beam *b, const Vertex *v, const BsdfSample *s);
  * or nothing is left. */
 bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t);
 
+/* ---- forks ----
+ *
+ * At the first mirrors or panes that the eye sees, a beam may go on by all events of delta instead
+ * of one by chance: the image of a lamp in glass is then there in every sample, dim, and not in one
+ * of twenty-five, bright. Dim ones are left to chance, by their strength. */
+
+enum { FORKED = 3 };            /* events, from the eye */
+typedef struct { Beam waiting[FORKED * BSDF_DELTAS]; int n; } Forks;    /* {.n = 0}: none */
+
+/* Puts the deltas of the vertex by. False: there are none, or chance has to choose. */
+bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t);
+/* The next of those. False: there is none left. */
+INLINE bool forks_next(Forks *f, Beam *b)
+{
+    if (!f->n)
+        return false;
+    *b = f->waiting[--f->n];
+    return true;
+}
+
 /* How much of a unit of energy is left, whatever the index it is in. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
 

@@ -2,6 +2,7 @@
 #include "integrators/bidirectional.h"
 
 #include "integrators/lens.h"
+#include "integrators/lightstore.h"
 
 #include <string.h>
 
@@ -125,7 +126,7 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     const Techniques *q = &b->techniques;
     const Vertex *v = &y->v;
     CameraSample c;
-    float others;
+    float weight = 1.0f;
     Rgb sent;
     V3 local;
 
@@ -134,10 +135,12 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     sent = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
     if (rgb_black(sent))
         return;
-    others = raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
-             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first);
-    lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium),
-               rgb_scale(sent, odds_weight(others)), y->edges + 1, t);
+    if (b->joins == JOINS_ALL)
+        weight = odds_weight(raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
+                             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first));
+    sent = lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium), rgb_scale(sent, weight),
+                      y->edges + 1, t);
+    tracer_technique(t, y->edges + 1, 1, weight, sent);
 }
 
 int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, Tracer *t)
@@ -157,7 +160,7 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
         if (!arrive(b, &p, &start, &from, &odds, y, t))
             break;
         if (vertex_is_smooth(&y->v)) {
-            if (b->techniques.connects)
+            if (b->techniques.connects || b->joins == JOINS_LENS)
                 show(b, y, t);
             n++;
         }
@@ -173,6 +176,7 @@ typedef struct {
     Beam beam;
     V3   p, up;                 /* its last vertex, as lamps are asked from there */
     Odds odds;                  /* before the ray arrives */
+    float found;                /* so far, by joining: largest channels */
 } Eye;
 
 static Eye eye_begin(const Bidirectional *b, const Ray *r)
@@ -197,7 +201,7 @@ static float implicit_weight(const Bidirectional *b, const Eye *e, const Light *
     V3 d = e->beam.ray.d;
     float others;
 
-    if (e->beam.depth == 0)
+    if (e->beam.depth == 0 || b->joins != JOINS_ALL)
         return 1.0f;
     others = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f) *
              (e->odds.early + raised(q, q->eta) * e->odds.merged);
@@ -210,11 +214,14 @@ static Rgb implicit_light(const Bidirectional *b, const Eye *e, const Light *l, 
                           float cosine, Tracer *t)
 {
     Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
+    float weight;
 
     if (rgb_black(c))
         return c;
-    c = rgb_scale(c, implicit_weight(b, e, l, hit, cosine));
+    weight = implicit_weight(b, e, l, hit, cosine);
+    c = rgb_scale(c, weight);
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
+    tracer_technique(t, 0, e->beam.depth + 2, weight, c);
     return c;
 }
 
@@ -254,16 +261,43 @@ static bool merges_here(const Bidirectional *b, const Eye *e)
     return b->techniques.first || e->beam.depth > 0;
 }
 
-static Rgb join(const Eye *e, const Vertex *z, V3 wi, Ray *r, Rgb c, int edges, Strategy how,
-                Tracer *t)
+/* What brings little beside what the sample has found is worth a ray by chance only: c then stands
+ * for those that were left out. The chance looks at what is known before the ray, so the mean is
+ * what it was. False: no ray. [Cline07 7.9.2] */
+static bool tries(const Bidirectional *b, const Eye *e, int vertices, Rgb *c, Tracer *t)
 {
-    if (!tracer_passes(t, r, medium_beyond(&z->s, wi, e->beam.medium), &c))
+    float least = b->little * e->found, brings = rgb_max(*c);
+
+    if (brings >= least)
+        return true;
+    if (sample_1d(&t->sampler, DECISION(DECIDE_KEEP, e->beam.depth * (DEPTH_MOST + 1) + vertices)) *
+        least >= brings)
+        return false;
+    *c = rgb_scale(*c, least / brings);
+    return true;
+}
+
+/* c times the weight, by an edge to the last of so many vertices from the lamp, if nothing stands in
+ * the way. */
+static Rgb join(const Bidirectional *b, Eye *e, const Vertex *z, const LightSample *to, Rgb c,
+                float weight, int vertices, Tracer *t)
+{
+    Ray r;
+
+    c = rgb_scale(c, weight);
+    if (!tries(b, e, vertices, &c, t))
         return rgb_all(0.0f);
-    tracer_tally(t, edges, how, c);
+    r = shadow_ray(&z->s, to);
+    if (!tracer_passes(t, &r, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
+        return rgb_all(0.0f);
+    tracer_tally(t, e->beam.depth + 1 + vertices,
+                 vertices > 1 ? STRATEGY_CONNECT : STRATEGY_EXPLICIT, c);
+    tracer_technique(t, vertices, e->beam.depth + 2, weight, c);
+    e->found += rgb_max(c);
     return c;
 }
 
-static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
+static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
 {
     const Techniques *q = &b->techniques;
     float u = b->scene->nlights > 1 ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth))
@@ -275,7 +309,6 @@ static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
     Surface there;
     Seen s;
     Rgb c;
-    Ray r;
 
     if (!l || !light_sample(l, b->beside, z->s.p,
                             sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
@@ -289,12 +322,11 @@ static Rgb ask(const Bidirectional *b, const Eye *e, const Vertex *z, Tracer *t)
              odds_at(&e->odds, q, s.back, merges_here(b, e));
     if (!l->kind->delta)
         others += raised(q, s.forth / pdf);
-    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), odds_weight(others) / pdf);
-    r = shadow_ray(&z->s, &ls);
-    return join(e, z, ls.wi, &r, c, e->beam.depth + 2, STRATEGY_EXPLICIT, t);
+    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), 1.0f / pdf);
+    return join(b, e, z, &ls, c, odds_weight(others), 1, t);
 }
 
-static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *y,
+static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *y,
                    Tracer *t)
 {
     const Techniques *q = &b->techniques;
@@ -303,7 +335,6 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
     LightSample to;
     Seen s;
     Rgb c;
-    Ray r;
 
     if (!(d2 > 0.0f))
         return rgb_all(0.0f);
@@ -321,22 +352,87 @@ static Rgb connect(const Bidirectional *b, const Eye *e, const Vertex *z, const 
                  odds_at(&e->odds, q, s.back, merges_here(b, e));
     to = (LightSample){ .wi = wi, .dist = sqrtf(d2), .p = y->v.s.p, .err = y->v.s.err,
                         .n = y->v.s.ng };
-    r = shadow_ray(&z->s, &to);
-    return join(e, z, wi, &r, rgb_scale(c, odds_weight(others) / d2),
-                e->beam.depth + 2 + y->edges, STRATEGY_CONNECT, t);
+    return join(b, e, z, &to, rgb_scale(c, 1.0f / d2), odds_weight(others), y->edges + 1, t);
 }
 
-static Rgb join_all(const Bidirectional *b, const Eye *e, const Vertex *z, const LightVertex *path,
-                    int n, Tracer *t)
-{
-    Rgb sum = rgb_all(0.0f);
+enum { GATHERED = 16 };
 
-    if (!b->techniques.connects)
-        return sum;
-    sum = ask(b, e, z, t);
+/* What of the light path's vertex goes to the eye, without its density; c is 0 where nothing. */
+static Rgb merge(const Bidirectional *b, const Eye *e, const Vertex *z, const KeptVertex *k)
+{
+    const Techniques *q = &b->techniques;
+    V3 wi = v_neg(kept_way(k)), local;
+    Rgb c;
+
+    if (!vertex_local(z, wi, &local))
+        return rgb_all(0.0f);
+    c = rgb_mul(z->b->kind->eval(z->b, z->wo, local, false),
+                rgb(k->flux[0], k->flux[1], k->flux[2]));
+    if (rgb_black(c))
+        return c;
+    if (b->joins == JOINS_ALL)
+        c = rgb_scale(c, odds_weight((odds_before(&k->odds, q, vertex_pdf_w(z, local)) +
+                                      odds_before(&e->odds, q,
+                                                  z->b->kind->pdf_w(z->b, local, z->wo))) /
+                                     raised(q, q->eta)));
+    return rgb_scale(c, fabsf(local.z) / v_absdot(wi, z->s.ng));
+}
+
+/* The next of those that are near enough, sent for before they are looked at. Returns how many. */
+static int gather(const Bidirectional *b, PointWalk *w, const KeptVertex *k[GATHERED])
+{
+    const PlacedPoint *found;
+    float d2;
+    int n = 0;
+
+    while (n < GATHERED && (found = pointgrid_next(w, &d2))) {
+        k[n] = arrivals_record(&b->store->arrivals, found->id);
+        PREFETCH(k[n]);
+        n++;
+    }
+    return n;
+}
+
+static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, PointWalk *w, Tracer *t)
+{
+    Rgb scale = rgb_scale(e->beam.throughput, 1.0f / b->techniques.eta), sum = rgb_all(0.0f);
+    const KeptVertex *k[GATHERED];
+    int n;
+
+    while ((n = gather(b, w, k)))
+        for (int i = 0; i < n; i++) {
+            Rgb c;
+            if ((int)k[i]->edges + e->beam.depth > b->maxdepth)
+                continue;
+            c = rgb_mul(scale, merge(b, e, z, k[i]));
+            tracer_tally(t, (int)k[i]->edges + e->beam.depth + 1, STRATEGY_MERGE, c);
+            sum = rgb_add(sum, c);
+        }
+    return sum;
+}
+
+static Rgb connect_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
+                       int n, Tracer *t)
+{
+    Rgb sum = ask(b, e, z, t);
+
     for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
         sum = rgb_add(sum, connect(b, e, z, &path[i], t));
     return sum;
+}
+
+static Rgb join_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
+                    int n, Tracer *t)
+{
+    bool merges = b->store && b->techniques.eta > 0.0f && merges_here(b, e);
+    Rgb sum = rgb_all(0.0f);
+    PointWalk w;
+
+    if (merges)                 /* begun early: see pointgrid.c */
+        w = pointgrid_walk(&b->store->arrivals.grid, z->s.p, b->store->radius);
+    if (b->techniques.connects)
+        sum = connect_all(b, e, z, path, n, t);
+    return merges ? rgb_add(sum, merge_all(b, e, z, &w, t)) : sum;
 }
 
 /* ---- the eye's path, from event to event ---- */
@@ -347,7 +443,8 @@ static bool go_on(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
     float cosine;
     V3 local;
 
-    if (!vertex_sample(z, t, e->beam.depth, &s))
+    if (!vertex_sample(z, t, e->beam.depth, &s) ||
+        (b->joins == JOINS_FIRST_MERGER && s.pdf_w > 0.0f))
         return false;
     cosine = v_absdot(z->s.ng, s.wi);
     local = frame_in(&z->frame, s.wi);
@@ -378,7 +475,7 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
         if (z.s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, implicit_light(b, &e, scene_light_of(b->scene, &z.s), &z.s, cosine,
                                               t));
-        if (e.beam.depth >= b->maxdepth)
+        if (e.beam.depth >= b->maxdepth || b->joins == JOINS_LENS)
             return sum;
         way = v_sub(z.s.p, e.p);
         d2 = e.beam.depth == 0 && b->scene->camera->parallel ? 1.0f : v_dot(way, way);
@@ -398,6 +495,7 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
     b->scene = s;
     b->maxdepth = (int)opt_int(o, "maxdepth");
     b->roulette = (int)opt_int(o, "roulette");
+    b->little = opt_float(o, "little");
     b->techniques.heuristic = opt_is(o, "weights", "power")     ? HEURISTIC_POWER
                               : opt_is(o, "weights", "balance") ? HEURISTIC_BALANCE
                                                                 : HEURISTIC_UNIFORM;
@@ -406,7 +504,8 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
      * told */
     b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
     b->paths = 1.0f;
-    b->asked = lightsampler_open(opt_string(o, "lightsampler"), s);
+    /* one lamp is no choice: whether it can be seen, sampling it tells */
+    b->asked = lightsampler_open(s->nlights > 1 ? opt_string(o, "lightsampler") : "uniform", s);
     b->sending = lightsampler_open("power", s);
     return b->asked && b->sending && warn_of_scattering(s, name);
 }

@@ -13,7 +13,7 @@
  * Density     of asking a lamp may depend on who asks (by solid angle, by contribution): so it is
  *             taken at the second vertex of a light path, when that is known.
  * Visibility  is what connections cost. Those that bring little are tried by chance only
- *             ([Cline07 7.9.2]): see `little`.
+ *             ([Cline07 7.9.2]).
  * Media       take light away; what they scatter is left out, with a warning. */
 #ifndef INTEGRATORS_BIDIRECTIONAL_H
 #define INTEGRATORS_BIDIRECTIONAL_H
@@ -38,15 +38,24 @@ typedef struct {
 
 typedef struct LightStore LightStore;
 
+/* Which techniques there are. Those of one kind alone have weight 1. */
+typedef enum {
+    JOINS_ALL,                  /* as Techniques says */
+    JOINS_FIRST_MERGER,         /* where the eye's path first meets no delta: photon maps */
+    JOINS_LENS                  /* light tracing */
+} Joins;
+
 typedef struct {
     const Scene *scene;         /* borrowed */
     LightSampler *asked;        /* owned: which lamp is asked */
     LightSampler *sending;      /* owned: which one sends a path, by power */
     Techniques techniques;
+    Joins joins;
     int   maxdepth, roulette;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
     float paths;                /* of light, for each of the eye's that a whole picture has */
-    const LightStore *store;    /* borrowed: what is merged with; NULL: nothing */
+    float little;               /* see tries() */
+    const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
 } Bidirectional;
 
 /* Of a zeroed *b, by the options below. False: reported, not cleared. */
@@ -69,6 +78,9 @@ Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex 
     { .key = "weights", .type = OPT_CHOICE, .str = "balance",                  \
       .choices = "balance power uniform",                                      \
       .help = "of the ways in which a path can be made; uniform: all alike, which is noisier" }, \
+    { .key = "little", .type = OPT_FLOAT, .num = 0.03, .lo = 0, .hi = 1,     \
+      .help = "connections that bring less than this part of what the sample has found are tried " \
+              "by chance; 0: all are tried" },                                 \
     LIGHTING_LIGHTSAMPLER
 
 #endif

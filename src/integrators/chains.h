@@ -55,7 +55,7 @@ typedef struct {
     bool (*init)(Chains *cs, Chain *c);
     void (*clear)(Chain *c);
     /* Makes sample `number` of `total` the state: a function of these and the seed alone. Returns
-     * its brightness. */
+     * its brightness: finite, not negative, 0 of light that the film would refuse. */
     float (*start)(Chains *cs, Chain *c, uint64_t number, Tracer *t);
     /* One step: proposes a state, says by chain_steps what becomes of it. */
     void (*step)(Chains *cs, Chain *c, Tracer *t);
@@ -119,9 +119,6 @@ INLINE float chain_accepts(const Chain *c, float brightness)
 {
     return brightness < c->brightness ? brightness / c->brightness : 1.0f;
 }
-
-/* Brightness of one contribution: 0 of what the film would refuse. */
-INLINE float chains_brightness(Rgb light) { return film_takes(light) ? rgb_lum(light) : 0.0f; }
 
 #define CHAINS_OPTIONS                                                         \
     { .key = "chains", .type = OPT_INT, .num = 256, .lo = 1, .hi = 1e6,        \

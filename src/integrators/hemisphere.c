@@ -12,13 +12,19 @@ static double below(double sine)
     return 0.5 * (md_atan2(sine, c) - sine * c);
 }
 
+void hemisphere_cells(int rays, int *rings, int *sectors)
+{
+    int r = (int)sqrt(rays / PI);
+
+    *rings = r < 1 ? 1 : r > RINGS_MOST ? RINGS_MOST : r;
+    *sectors = (rays + *rings - 1) / *rings;
+    *sectors = *sectors < 3 ? 3 : *sectors;
+}
+
 void hemisphere_start(Hemisphere *h, int rays)
 {
     memset(h, 0, sizeof *h);
-    h->rings = (int)sqrt(rays / PI);
-    h->rings = h->rings < 1 ? 1 : h->rings > RINGS_MOST ? RINGS_MOST : h->rings;
-    h->sectors = (rays + h->rings - 1) / h->rings;
-    h->sectors = h->sectors < 3 ? 3 : h->sectors;
+    hemisphere_cells(rays, &h->rings, &h->sectors);
     for (int j = 0; j < h->rings; j++)          /* the cosine integrates to 1 / (2 rings) */
         h->tangent[j] = (float)(2.0 * h->rings * (below(border(h, j + 1)) - below(border(h, j))));
 }

@@ -29,7 +29,8 @@ typedef struct {
     double E[3], turn[3][2], move[3][2], inv;   /* local x and y */
 } Hemisphere;
 
-/* About `rays` cells, nearly square ones; at least 3 sectors. */
+/* How to make about so many cells, nearly square ones; at least 3 sectors. */
+void hemisphere_cells(int rays, int *rings, int *sectors);
 void hemisphere_start(Hemisphere *h, int rays);
 /* A direction, local with the normal along z, of ring j and sector k. */
 V3   hemisphere_direction(const Hemisphere *h, int j, int k, V2 u);

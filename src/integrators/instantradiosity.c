@@ -234,10 +234,17 @@ static bool goes_on(const Radiosity *it, Eye *e, const Vertex *v, float share, T
     return beam_survives(&e->beam, it->roulette, t);
 }
 
-static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+/* Whether it forks at the vertex: not where it could also go on by an event that is no delta. */
+static bool forks_at(const Radiosity *it, const Beam *b, const Vertex *v, Forks *forks, Tracer *t)
 {
-    const Radiosity *it = (const Radiosity *)base;
-    Eye e = { .beam = beam_from_eye(r, base->scene) };
+    return b->depth < it->maxdepth && !(it->compensates && vertex_is_smooth(v)) &&
+           beam_forks(forks, b, v, t);
+}
+
+/* What the path finds until it ends or forks. */
+static Rgb found(const Radiosity *it, const Beam *b, Forks *forks, Tracer *t)
+{
+    Eye e = { .beam = *b };
     Rgb sum = rgb_all(0.0f);
 
     for (;;) {
@@ -245,13 +252,25 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         float share;
         if (!beam_meets(&e.beam, &v.s, t))
             return e.smooth ? sum : rgb_add(sum, beam_shows_beyond(&e.beam, t));
-        vertex_make(&v, base->scene, e.beam.ray.d);
+        vertex_make(&v, it->base.scene, e.beam.ray.d);
         share = share_missing(it, &e, &v.s);
         if (share > 0.0f)
             sum = rgb_add(sum, light_of(it, &e, &v, share, t));
-        if (!goes_on(it, &e, &v, share, t))
+        if (forks_at(it, &e.beam, &v, forks, t) || !goes_on(it, &e, &v, share, t))
             return sum;
     }
+}
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    Beam b = beam_from_eye(r, base->scene);
+    Forks forks = { .n = 0 };
+    Rgb sum = rgb_all(0.0f);
+
+    do
+        sum = rgb_add(sum, found((const Radiosity *)base, &b, &forks, t));
+    while (forks_next(&forks, &b));
+    return sum;
 }
 
 /* ---- phases ---- */

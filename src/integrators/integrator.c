@@ -18,9 +18,12 @@
     X(sppm)                     /* the same, eye paths anew each time */       \
     X(irradiancecache)          /* indirect light interpolated */              \
     X(bdpt)                     /* paths from both ends, connected */          \
+    X(bpm)                      /* the same, merged */                         \
+    X(vcm)                      /* both */                                     \
+    X(pssmlt)                   /* chains of the numbers paths are made of */  \
+    X(radiancecache)            /* the same for glossy surfaces */             \
     X(mlt)                      /* chains of paths */                          \
-    X(erpt)                     /* samples spread by such chains */            \
-    X(pssmlt)                   /* chains of the numbers paths are made of */
+    X(erpt)                     /* samples spread by such chains */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

@@ -39,6 +39,9 @@ enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds a
 typedef struct {
     Rgb length[TALLY_LENGTHS];
     Rgb strategy[STRATEGIES];
+    /* of methods that join two paths, by the number of vertices that came from the lamp and from
+     * the eye: as it counts, and without its weight */
+    struct { Rgb weighed, bare; } technique[TALLY_LENGTHS][TALLY_LENGTHS];
 } Tally;
 
 /* Where splats go. */
@@ -147,6 +150,17 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
     t->tally->strategy[how] = rgb_add(t->tally->strategy[how], c);
     if (t->held)
         tracer_holds(t, t->held->place, edges, how, rgb_scale(c, t->held->area));
+}
+
+/* A path of so many vertices from the lamp and from the eye, longer ones not, brings c, which has
+ * been weighed by `weight`. */
+INLINE void tracer_technique(Tracer *t, int lamp, int eye, float weight, Rgb c)
+{
+    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS || !(weight > 0.0f))
+        return;
+    t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed, c);
+    t->tally->technique[lamp][eye].bare = rgb_add(t->tally->technique[lamp][eye].bare,
+                                                  rgb_scale(c, 1.0f / weight));
 }
 
 /* A path of `edges` edges, found by `how`, brings c to the place, in pixels: the measurement that

@@ -3,10 +3,6 @@
 
 #include "base/mem.h"
 
-/* A place lies behind a record if it is so much of the radius below: on a curved or bumpy surface
- * some of that is due to rounding and to normals that are interpolated. */
-#define BEHIND 0.02f
-
 static float gradient_of(const Irradiance *of)
 {
     V3 g = v_add(v_scale(of->move[0], 0.299f), v_add(v_scale(of->move[1], 0.587f),
@@ -16,48 +12,30 @@ static float gradient_of(const Irradiance *of)
 
 IrradianceRecord irradiance_record(V3 p, V3 n, const Irradiance *of, float least, float most)
 {
-    IrradianceRecord r = { p, n, most, least, *of };
-    float gradient = gradient_of(of), E = rgb_lum(of->E);
+    IrradianceRecord r = { { p, n, most, least }, *of };
+    float kept = reach_limit(&r.at, of->inv_distance, rgb_lum(of->E), gradient_of(of), least, most);
 
-    if (of->inv_distance * most > 1.0f)
-        r.radius = 1.0f / of->inv_distance;
-    if (gradient * r.radius > E)
-        r.radius = E / gradient;
-    if (r.radius < least) {     /* it reaches beyond what its gradient is good for: less of that */
-        for (int k = 0; k < 3; k++)
-            r.of.move[k] = v_scale(r.of.move[k], r.radius / least);
-        r.radius = least;
-    }
+    for (int k = 0; k < 3; k++)
+        r.of.move[k] = v_scale(r.of.move[k], kept);
     return r;
 }
 
-float irradiance_error(const IrradianceRecord *r, V3 p, V3 n)
-{
-    V3 d = v_sub(p, r->p);
-
-    if (0.5f * v_dot(d, v_add(n, r->n)) < -BEHIND * r->radius)
-        return INFINITY;
-    return v_len(d) / r->radius + sqrtf(f_max(0.0f, 1.0f - v_dot(n, r->n)));
-}
-
-void irradiance_add(IrradianceSum *s, const IrradianceRecord *r, V3 p, V3 n, float a,
+void irradiance_add(IrradianceSum *s, const Reach *at, const Irradiance *of, V3 p, V3 n, float a,
                     bool gradients)
 {
-    const float E[3] = { r->of.E.r, r->of.E.g, r->of.E.b };
-    float e = irradiance_error(r, p, n);
+    const float E[3] = { of->E.r, of->E.g, of->E.b };
+    double w = reach_weight(at, p, n, a);
     V3 turned, moved;
-    double w;
 
-    if (!(e < a))
+    if (!(w > 0.0))
         return;
-    w = 1.0 / d_max(e, 1e-4 * (double)a) - 1.0 / (double)a;     /* the same place: all of it */
-    turned = v_cross(r->n, n);
-    moved = v_sub(p, r->p);
+    turned = v_cross(at->n, n);
+    moved = v_sub(p, at->p);
     s->weight += w;
     for (int k = 0; k < 3; k++) {
         float here = E[k];
         if (gradients)
-            here += v_dot(turned, r->of.turn[k]) + v_dot(moved, r->of.move[k]);
+            here += v_dot(turned, of->turn[k]) + v_dot(moved, of->move[k]);
         s->E[k] += w * (double)f_max(here, 0.0f);
     }
 }
@@ -76,49 +54,28 @@ bool irradiance_mean(const IrradianceSum *s, Rgb *E)
 bool irradiance_init(IrradianceStore *s, Box around, float a)
 {
     memset(s, 0, sizeof *s);
-    s->a = a;
-    return balltree_init(&s->tree, around);
+    return reaches_init(&s->reaches, around, a);
 }
 
 void irradiance_clear(IrradianceStore *s)
 {
-    balltree_clear(&s->tree);
-    mem_free(s->records);
+    reaches_clear(&s->reaches);
+    mem_free(s->of);
     memset(s, 0, sizeof *s);
-}
-
-/* The balls of neighbours that shrink stay as large as they were: whoever asks sees by itself. */
-static void clamp_neighbours(IrradianceStore *s, IrradianceRecord *r)
-{
-    for (int way = 0; way < 2; way++) {         /* first the record by them, then they by it */
-        BallWalk walk = balltree_ask(&s->tree, r->p);
-        uint32_t id;
-        while (balltree_next(&walk, &id)) {
-            IrradianceRecord *other = &s->records[id], *by = way ? r : other;
-            IrradianceRecord *it = way ? other : r;
-            float most = by->radius + v_len(v_sub(r->p, other->p));
-            if (irradiance_error(other, r->p, r->n) < s->a && most < it->radius)
-                it->radius = f_max(most, it->least);
-        }
-    }
 }
 
 bool irradiance_insert(IrradianceStore *s, const IrradianceRecord *r)
 {
-    IrradianceRecord in = *r;
-
-    clamp_neighbours(s, &in);
-    return MEM_PUSH(s->records, s->n, s->cap, in) &&
-           balltree_add(&s->tree, in.p, in.radius * s->a, (uint32_t)(s->n - 1));
+    return MEM_PUSH(s->of, s->n, s->cap, r->of) && reaches_insert(&s->reaches, &r->at);
 }
 
 bool irradiance_at(const IrradianceStore *s, V3 p, V3 n, float a, bool gradients, Rgb *E)
 {
     IrradianceSum sum = { 0, { 0, 0, 0 } };
-    BallWalk walk = balltree_ask(&s->tree, p);
+    BallWalk walk = balltree_ask(&s->reaches.tree, p);
     uint32_t id;
 
     while (balltree_next(&walk, &id))
-        irradiance_add(&sum, &s->records[id], p, n, a, gradients);
+        irradiance_add(&sum, &s->reaches.at[id], &s->of[id], p, n, a, gradients);
     return irradiance_mean(&sum, E);
 }

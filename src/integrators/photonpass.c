@@ -1,23 +1,16 @@
 /* photonpass.c -- see photonpass.h. */
 #include "integrators/photonpass.h"
 
-#include "base/error.h"
 #include "base/mem.h"
 
 #include <string.h>
 
-enum { BATCH = 1024 };          /* particles */
-enum { TRACE, BEGIN, COUNT, ARRANGE, PLACE, SORT };     /* phases: see pointgrid.h */
+enum { TRACE, BEGIN, SORT = ARRIVALS_PHASES };  /* phases: the second and the last of arrivals.h */
 
 typedef struct {
     float  at[3];
     PassPhoton photon;
 } Arrival;
-
-struct PassBatch {
-    Arrival *arrivals;          /* owned */
-    size_t n, cap;
-};
 
 bool photonpass_init(PhotonPass *pp, const Scene *s, int maxdepth, int roulette, bool matt)
 {
@@ -32,25 +25,13 @@ bool photonpass_init(PhotonPass *pp, const Scene *s, int maxdepth, int roulette,
 
 bool photonpass_particles(PhotonPass *pp, uint64_t n)
 {
-    uint64_t batches = (n + BATCH - 1) / BATCH;
-
-    pp->particles = n;
-    if (batches > SIZE_MAX)
-        return err_memory(SIZE_MAX);
-    pp->nbatches = (size_t)batches;
-    pp->batches = MEM_ARRAY(PassBatch, pp->nbatches);
-    if (!pp->batches)
-        pp->nbatches = 0;
-    return pp->batches != NULL;
+    return arrivals_init(&pp->arrivals, sizeof(Arrival), n);
 }
 
 void photonpass_clear(PhotonPass *pp)
 {
-    for (size_t i = 0; i < pp->nbatches; i++)
-        mem_free(pp->batches[i].arrivals);
-    mem_free(pp->batches);
+    arrivals_clear(&pp->arrivals);
     mem_free(pp->photons);
-    pointgrid_clear(&pp->grid);
     if (pp->lights)
         lightsampler_close(pp->lights);
     memset(pp, 0, sizeof *pp);
@@ -65,7 +46,7 @@ static bool takes(const PhotonPass *pp, const Vertex *v)
 }
 
 /* False: there is no memory for it, reported. */
-static bool leave(PassBatch *b, const Particle *p, const Vertex *v)
+static bool leave(ArrivalBatch *b, const Particle *p, const Vertex *v)
 {
     V3 wi = v_neg(p->ray.d);
     float up = v_absdot(wi, v->s.ng), cosine = up > 0.0f ? fabsf(v->wo.z) / up : 0.0f;
@@ -73,7 +54,7 @@ static bool leave(PassBatch *b, const Particle *p, const Vertex *v)
                   { { p->flux.r * cosine, p->flux.g * cosine, p->flux.b * cosine },
                     { wi.x, wi.y, wi.z }, (uint32_t)p->depth } };
 
-    return MEM_PUSH(b->arrivals, b->n, b->cap, a);
+    return arrivals_add(b, sizeof a, &a);
 }
 
 /* What media scatter is left out, as it is by the eye's paths. */
@@ -85,7 +66,7 @@ static bool meets(Particle *p, Vertex *v, Tracer *t)
     return true;
 }
 
-static bool shoot(const PhotonPass *pp, PassBatch *b, Tracer *t)
+static bool shoot(const PhotonPass *pp, ArrivalBatch *b, Tracer *t)
 {
     Particle p;
     Emission e;
@@ -108,12 +89,12 @@ static bool shoot(const PhotonPass *pp, PassBatch *b, Tracer *t)
 /* Particle number (pass * particles + its own) of one sequence: see light.c. */
 static void trace(PhotonPass *pp, uint32_t pass, uint64_t unit, Tracer *t)
 {
-    PassBatch *b = &pp->batches[unit];
-    uint64_t i = unit * BATCH, end = i + BATCH < pp->particles ? i + BATCH : pp->particles;
+    ArrivalBatch *b = &pp->arrivals.batches[unit];
+    uint64_t end = arrivals_end(&pp->arrivals, unit);
 
     b->n = 0;
-    for (; i < end; i++) {
-        uint64_t number = (uint64_t)pass * pp->particles + i;
+    for (uint64_t i = arrivals_first(unit); i < end; i++) {
+        uint64_t number = (uint64_t)pass * pp->arrivals.paths + i;
         sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)(number >> 32));
         sampler_start(&t->sampler, (uint32_t)number);
         if (!shoot(pp, b, t)) {
@@ -125,65 +106,34 @@ static void trace(PhotonPass *pp, uint32_t pass, uint64_t unit, Tracer *t)
 
 /* ---- into the grid ---- */
 
-size_t photonpass_found(const PhotonPass *pp)
+/* The photons of a part of the grid, in its order. */
+static void arrange(PhotonPass *pp, uint32_t part)
 {
-    size_t n = 0;
+    const PointGrid *g = &pp->arrivals.grid;
+    size_t end = pointgrid_part(g, part + 1);
 
-    for (size_t i = 0; i < pp->nbatches; i++)
-        n += pp->batches[i].n;
-    return n;
-}
-
-/* The number of a photon has that of its batch in its upper bits. */
-static bool begin(PhotonPass *pp, float edge)
-{
-    size_t n = photonpass_found(pp), most = 0;
-
-    for (size_t i = 0; i < pp->nbatches; i++)
-        most = pp->batches[i].n > most ? pp->batches[i].n : most;
-    for (pp->bits = 0; most >> pp->bits; pp->bits++) {}
-    if (pp->nbatches && (uint64_t)(pp->nbatches - 1) > UINT32_MAX >> pp->bits)
-        return err_at((Place){ NULL, 0, 0 }, "a pass has more photons than can be numbered, "
-                      "expected a smaller value of 'photons'");
-    return mem_grow(&pp->photons, &pp->cap, n, sizeof *pp->photons) &&
-           pointgrid_begin(&pp->grid, n, pp->nbatches, edge);
-}
-
-static void sort(PhotonPass *pp, uint32_t part)
-{
-    const PointGrid *g = &pp->grid;
-    uint32_t within = ((uint32_t)1 << pp->bits) - 1;
-    size_t end;
-
-    pointgrid_sort(&pp->grid, part);
-    end = pointgrid_part(g, part + 1);
     for (size_t i = pointgrid_part(g, part); i < end; i++) {
-        uint32_t id = g->points[i].id;
-        pp->photons[i] = pp->batches[id >> pp->bits].arrivals[id & within].photon;
+        const Arrival *a = arrivals_record(&pp->arrivals, g->points[i].id);
+        pp->photons[i] = a->photon;
     }
 }
 
 uint64_t photonpass_units(const PhotonPass *pp, int phase)
 {
-    return phase == BEGIN || phase == ARRANGE ? 1 : phase == SORT ? POINTGRID_PARTS : pp->nbatches;
+    return phase == TRACE ? pp->arrivals.nbatches : arrivals_units(&pp->arrivals, phase - 1);
 }
 
 void photonpass_run(PhotonPass *pp, uint32_t pass, int phase, uint64_t unit, float edge, Tracer *t)
 {
-    const PassBatch *b = phase == SORT ? NULL : &pp->batches[unit];
-    const float *at = b && b->arrivals ? b->arrivals->at : NULL;
-
-    switch (phase) {
-    case TRACE: trace(pp, pass, unit, t); break;
-    case BEGIN: t->failed |= !begin(pp, edge); break;
-    case COUNT: pointgrid_count(&pp->grid, (size_t)unit, at, sizeof(Arrival), b->n); break;
-    case ARRANGE: pointgrid_arrange(&pp->grid); break;
-    case PLACE:
-        pointgrid_place(&pp->grid, (size_t)unit, at, sizeof(Arrival), b->n,
-                        (uint32_t)unit << pp->bits);
-        break;
-    default: sort(pp, (uint32_t)unit);
+    if (phase == TRACE) {
+        trace(pp, pass, unit, t);
+        return;
     }
+    t->failed |= !arrivals_run(&pp->arrivals, phase - 1, unit, edge);
+    if (phase == BEGIN)
+        t->failed |= !mem_grow(&pp->photons, &pp->cap, photonpass_found(pp), sizeof *pp->photons);
+    else if (phase == SORT)
+        arrange(pp, (uint32_t)unit);
 }
 
 /* ---- the nearest ---- */
@@ -214,10 +164,10 @@ static void keep(float *heap, int *n, int k, float d2)
 
 float photonpass_reach(const PhotonPass *pp, V3 p, int k, float most)
 {
-    float heap[NEAREST_MOST], r = f_min(0.5f / pp->grid.scale, most), d2;
+    float heap[NEAREST_MOST], r = f_min(0.5f / pp->arrivals.grid.scale, most), d2;
 
     for (;;) {
-        PointWalk w = pointgrid_walk(&pp->grid, p, r);
+        PointWalk w = pointgrid_walk(&pp->arrivals.grid, p, r);
         int n = 0;
         while (pointgrid_next(&w, &d2))
             keep(heap, &n, k, d2);

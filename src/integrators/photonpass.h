@@ -12,7 +12,7 @@
 #ifndef INTEGRATORS_PHOTONPASS_H
 #define INTEGRATORS_PHOTONPASS_H
 
-#include "geometry/pointgrid.h"
+#include "integrators/arrivals.h"
 #include "integrators/particle.h"
 
 typedef struct {
@@ -21,39 +21,33 @@ typedef struct {
     uint32_t events;            /* scattering events before it arrived, at least 1 */
 } PassPhoton;
 
-typedef struct PassBatch PassBatch;
-
 typedef struct {
     LightSampler *lights;       /* owned: by power */
     const Scene *scene;         /* borrowed */
     int      maxdepth, roulette;        /* most events of a path that ends with one at the eye's */
     bool     matt;              /* only where a surface scatters as matt ones do */
-    uint64_t particles;         /* of a pass */
-    PassBatch *batches;       /* owned: of some particles each */
-    size_t   nbatches;
-    int      bits;              /* of a number within its batch */
-    PointGrid grid;             /* owned */
-    PassPhoton  *photons;           /* owned: in the order of the grid's points */
+    Arrivals arrivals;          /* owned; of so many paths as there are particles */
+    PassPhoton *photons;        /* owned: in the order of the grid's points */
     size_t   cap;
 } PhotonPass;
 
-/* All but `particles`, which are set next. False: reported, and nothing has to be cleared. */
+/* All but how many particles, which comes next. False: reported, and nothing has to be cleared. */
 bool photonpass_init(PhotonPass *pp, const Scene *s, int maxdepth, int roulette, bool matt);
 bool photonpass_particles(PhotonPass *pp, uint64_t n);          /* False: reported */
 void photonpass_clear(PhotonPass *pp);                          /* {0} is cleared */
 
 /* A pass has these phases of units; see integrator.h. In between, whoever has it may choose the
  * edge of cells: photonpass_found tells how many photons there are, then photonpass_edge. */
-enum { PHOTONPASS_PHASES = 6 };
+enum { PHOTONPASS_PHASES = 1 + ARRIVALS_PHASES };
 enum { PHOTONPASS_EDGE = 1 };           /* the phase of the one unit before which the edge is set */
 uint64_t photonpass_units(const PhotonPass *pp, int phase);
 void     photonpass_run(PhotonPass *pp, uint32_t pass, int phase, uint64_t unit, float edge,
                         Tracer *t);
-size_t   photonpass_found(const PhotonPass *pp);                /* after phase 0 */
+INLINE size_t photonpass_found(const PhotonPass *pp) { return arrivals_found(&pp->arrivals); }
 
 INLINE const PassPhoton *photonpass_photon(const PhotonPass *pp, const PlacedPoint *q)
 {
-    return &pp->photons[q - pp->grid.points];
+    return &pp->photons[q - pp->arrivals.grid.points];
 }
 
 /* Distance to the k-th nearest photon, if that is less than `most`; else `most`. */

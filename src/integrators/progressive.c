@@ -10,8 +10,8 @@
 static Rgb gather(const Progressive *it, const Beam *b, const Vertex *v, float radius,
                   float *found, Tracer *t)
 {
-    PointWalk w = pointgrid_walk(&it->pass.grid, v->s.p, radius);
-    float area = (float)((double)PI * radius * radius * (double)it->pass.particles), d2;
+    PointWalk w = pointgrid_walk(&it->pass.arrivals.grid, v->s.p, radius);
+    float area = (float)((double)PI * radius * radius * (double)it->pass.arrivals.paths), d2;
     Rgb sum = rgb_all(0.0f);
     const PlacedPoint *q;
 
@@ -92,42 +92,59 @@ static bool follow(const Progressive *it, Beam *b, const Vertex *v, bool gathers
     return !rgb_black(b->throughput) && beam_survives(b, it->roulette, t);
 }
 
-Rgb progressive_look(const Progressive *it, const Ray *r, Refined *m, const Sampler *light,
-                     Tracer *t)
+/* What is gathered at a vertex, and how much. */
+static Rgb gathered(const Progressive *it, const Beam *b, const Vertex *v, Refined *m,
+                    float *found, Tracer *t)
 {
-    Beam b = beam_from_eye(r, it->base.scene);
+    if (m->radius == 0.0f)
+        m->radius = first_radius(it, v->s.p);
+    return gather(it, b, v, m->radius, found, t);
+}
+
+/* What the path finds until it ends or forks. */
+static Rgb along(const Progressive *it, Beam *b, Refined *m, const Sampler *light, Forks *forks,
+                 float *found, Tracer *t)
+{
     Sampler path = t->sampler;
     Rgb sum = rgb_all(0.0f);
-    float found = 0.0f;
     bool delta = true;          /* no direct light has been found for the last vertex */
     Vertex v;
 
     for (;;) {
-        bool gathers;
-        if (!beam_meets(&b, &v.s, t)) {
-            if (delta)
-                sum = rgb_add(sum, beam_shows_beyond(&b, t));
-            break;
-        }
+        bool gathers, smooth;
+        if (!beam_meets(b, &v.s, t))
+            return delta ? rgb_add(sum, beam_shows_beyond(b, t)) : sum;
         if (delta && v.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, beam_shows(&b, scene_light_of(it->base.scene, &v.s), &v.s, t));
-        if (b.depth >= it->maxdepth)
-            break;
-        vertex_make(&v, it->base.scene, b.ray.d);
-        gathers = vertex_is_smooth(&v) && (!it->through || (v.b->flags & BSDF_MATT));
-        if (vertex_is_smooth(&v)) {
+            sum = rgb_add(sum, beam_shows(b, scene_light_of(it->base.scene, &v.s), &v.s, t));
+        if (b->depth >= it->maxdepth)
+            return sum;
+        vertex_make(&v, it->base.scene, b->ray.d);
+        smooth = vertex_is_smooth(&v);
+        gathers = smooth && (!it->through || (v.b->flags & BSDF_MATT));
+        if (smooth) {
             t->sampler = *light;
-            sum = rgb_add(sum, direct(it, &b, &v, t));
+            sum = rgb_add(sum, direct(it, b, &v, t));
             t->sampler = path;
         }
-        if (gathers) {
-            if (m->radius == 0.0f)
-                m->radius = first_radius(it, v.s.p);
-            sum = rgb_add(sum, gather(it, &b, &v, m->radius, &found, t));
-        }
-        if (!follow(it, &b, &v, gathers, &delta, t))
-            break;
+        if (gathers)
+            sum = rgb_add(sum, gathered(it, b, &v, m, found, t));
+        if ((gathers == smooth && beam_forks(forks, b, &v, t)) ||
+            !follow(it, b, &v, gathers, &delta, t))
+            return sum;
     }
+}
+
+Rgb progressive_look(const Progressive *it, const Ray *r, Refined *m, const Sampler *light,
+                     Tracer *t)
+{
+    Beam b = beam_from_eye(r, it->base.scene);
+    Forks forks = { .n = 0 };
+    Rgb sum = rgb_all(0.0f);
+    float found = 0.0f;
+
+    do
+        sum = rgb_add(sum, along(it, &b, m, light, &forks, &found, t));
+    while (forks_next(&forks, &b));
     refine(m, it->alpha, found);
     return sum;
 }

@@ -63,6 +63,37 @@ static Ray eye_ray(const Scene *s, V2 place, Tracer *t)
     return c->kind->ray(c, place, lens, scene_time(s, u));
 }
 
+/* Whether pixels of the window may look at the place. */
+static bool is_looked_at(const Film *f, const Filter *by, V2 place)
+{
+    double rx = by->axis[0].radius - 0.5, ry = by->axis[1].radius - 0.5;
+
+    return place.x >= f->x0 - rx && place.x <= f->x1 + rx && place.y >= f->y0 - ry &&
+           place.y <= f->y1 + ry;
+}
+
+/* Keeps of what was found what can be seen, and returns its brightness. What the film would refuse
+ * is given to it at once, so that it is counted, and is no more: no chain will take to it. */
+static float brightness_of(SplatList *l, Tracer *t)
+{
+    Film *f = t->canvas->film;
+    const Filter *by = t->canvas->filter;
+    size_t n = l->n;
+    double sum = 0;
+
+    l->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        Splat s = l->splats[i];
+        if (UNLIKELY(!film_takes(s.c)))
+            film_splat(f, by, s.place, s.layers, s.c);
+        else if (is_looked_at(f, by, s.place)) {
+            l->splats[l->n++] = s;
+            sum += s.layers & 1 ? rgb_lum(s.c) : 0.0f;
+        }
+    }
+    return sum > 0 ? (float)sum : 0.0f;
+}
+
 /* Makes the sample that the chain's sampler proposes, and keeps back what light it brings. Returns
  * its brightness. The tracer is as it was, but for the rays that were cast. */
 static float sample(const Pssmlt *it, Walk *w, Tracer *t)
@@ -72,7 +103,6 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     Tally tally;
     Ray r;
     Rgb seen;
-    double sum = 0;
 
     l->n = 0;
     t->held = l;
@@ -91,10 +121,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     was.rays = t->rays;
     was.failed = t->failed;
     *t = was;
-    for (size_t i = 0; i < l->n; i++)
-        if (l->splats[i].layers & 1)
-            sum += chains_brightness(l->splats[i].c);
-    return (float)sum;
+    return brightness_of(l, t);
 }
 
 /* ---- what chains ask for ---- */
@@ -190,11 +217,15 @@ static void close_pssmlt(Integrator *base)
     mem_free(it);
 }
 
-static bool has(const OptDef *defs, const char *key)
+/* Sets an option that the other integrator may have, within what it takes. */
+static void set_for(Opts *own, const char *key, double value)
 {
-    while (defs && defs->key && strcmp(defs->key, key))
-        defs++;
-    return defs && defs->key;
+    const OptDef *d = own->defs;
+
+    while (d && d->key && strcmp(d->key, key))
+        d++;
+    if (d && d->key)
+        opt_set_number(own, key, d_min(value, d->hi));
 }
 
 /* Another integrator, with what it shares of these options. NULL: reported. */
@@ -204,10 +235,8 @@ static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opt
     Opts own;
 
     opts_default(&own, k->info.options);
-    if (has(k->info.options, "maxdepth"))
-        opt_set_number(&own, "maxdepth", maxdepth);
-    if (has(k->info.options, "roulette"))
-        opt_set_number(&own, "roulette", (double)opt_int(o, "roulette"));
+    set_for(&own, "maxdepth", maxdepth);
+    set_for(&own, "roulette", (double)opt_int(o, "roulette"));
     other = k->open(s, &own);
     if (other)
         other->kind = k;
@@ -231,6 +260,13 @@ static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
     return it->over && (it->direct || !opt_bool(o, "direct"));
 }
 
+static bool check_steps(const Opts *o)
+{
+    return opt_float(o, "least") <= opt_float(o, "largest") ||
+           err_usage("pssmlt: least=%g is more than largest=%g", (double)opt_float(o, "least"),
+                     (double)opt_float(o, "largest"));
+}
+
 static Integrator *open_pssmlt(const Scene *s, const Opts *o)
 {
     Pssmlt *it = MEM_NEW(Pssmlt);
@@ -242,18 +278,18 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
     it->chains.base.scene = s;
     chains_open(&it->chains, &kind, o);
     primary_kernel(&it->kernel, opt_float(o, "least"), opt_float(o, "largest"));
-    if (open_over(it, s, o))
+    if (check_steps(o) && open_over(it, s, o))
         return &it->chains.base;
     close_pssmlt(&it->chains.base);
     return NULL;
 }
 
 static const OptDef options[] = {
-    { .key = "over", .type = OPT_STRING, .str = "path",
+    { .key = "over", .type = OPT_STRING, .str = "bdpt",
       .help = "the integrator whose samples are changed" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "light scattered once at most is left to path, a sample for each pixel and pass" },
-    { .key = "large", .type = OPT_FLOAT, .num = 0.3, .lo = 0.001, .hi = 1,
+    { .key = "large", .type = OPT_FLOAT, .num = 0.5, .lo = 0.001, .hi = 1,
       .help = "share of steps to new samples" },
     { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,
       .help = "shortest move of a number in a small step" },
@@ -269,7 +305,8 @@ static const OptDef options[] = {
 
 const IntegratorKind integrator_pssmlt = {
     .info = { "pssmlt", "Kelemen02; Cline07 7.13",
-              "Metropolis light transport: chains of the numbers that samples are made of", options },
+              "Metropolis light transport: chains of the numbers that samples are made of",
+              options },
     .truth = CONSISTENT, .misses = "what the integrator misses whose samples it changes",
     .splats = true, .open = open_pssmlt, .close = close_pssmlt, .prepare = prepare,
     .radiance = radiance, .phases = CHAINS_PHASES, .anew = true,

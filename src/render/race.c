@@ -109,7 +109,7 @@ static bool measure(Runner *r, int slot, const Film *film, const RenderReport *s
 static bool save(const Runner *r, const Film *film, double seconds)
 {
     const RaceOrder *o = r->order;
-    Display plain = { NULL, 0 };
+    Display plain = { 0 };
     Image im;
     bool ok;
 

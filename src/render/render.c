@@ -47,6 +47,18 @@ typedef struct {
 
 /* ---- units of camera samples ---- */
 
+/* The other pictures' values of the tracer's pixel. */
+static void extra_values(const Job *j, Tracer *t, AovSample s, bool keep, Rgb *values)
+{
+    const Camera *c = j->scene->camera;
+    V2 middle = { (float)t->x + 0.5f, (float)t->y + 0.5f };
+
+    s.first = keep && !j->film->counts[film_pixel(j->film, t->x, t->y)];
+    if (s.first)
+        s.middle = c->kind->ray(c, middle, (V2){ 0.5f, 0.5f }, j->time);
+    aov_values(j->settings->aovs, j->settings->naovs, &s, t, values);
+}
+
 /* keep: it goes on the film. Returns its luminance, 0 of what is no number. */
 static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index, bool keep)
 {
@@ -72,9 +84,9 @@ static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_
     t->kept = keep;
     values[0] = j->integrator->kind->radiance(j->integrator, &r, t);
     if (s->naovs)
-        aov_values(s->aovs, s->naovs, &r, t, values + 1);
-    for (int k = 0; weight != 1.0f && k <= s->naovs; k++)
-        values[k] = rgb_scale(values[k], weight);
+        extra_values(j, t, (AovSample){ .ray = r, .weight = weight }, keep, values);
+    else if (weight != 1.0f)
+        values[0] = rgb_scale(values[0], weight);
     if (keep)
         film_add(j->film, x, y, index, values);
     return film_takes(values[0]) ? rgb_lum(values[0]) : 0.0f;

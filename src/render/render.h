@@ -12,30 +12,52 @@
 
 /* ---- extra pictures of one render ---- */
 
-typedef enum { AOV_NORMAL, AOV_DEPTH, AOV_ALBEDO, AOV_LENGTH, AOV_STRATEGY, AOV_SAMPLES } AovKind;
+typedef enum {
+    AOV_NORMAL, AOV_GEOMETRIC, AOV_DEPTH, AOV_POSITION, AOV_ALBEDO, AOV_PRIMITIVE, AOV_MATERIAL,
+    AOV_EMISSION, AOV_DIRECT, AOV_INDIRECT, AOV_LENGTH, AOV_STRATEGY, AOV_EDGES, AOV_VARIANCE,
+    AOV_SAMPLES,
+    AOV_PICTURE = -1                    /* none of them: the picture itself */
+} AovKind;
 typedef struct {
     AovKind kind;
-    int     which;              /* LENGTH: edges; STRATEGY: which */
-    const char *file;           /* borrowed */
+    int     which;              /* LENGTH: edges; STRATEGY: which; VARIANCE: of which AovKind */
+    int     of;                 /* VARIANCE: of which layer of the film */
+    const char *file;           /* borrowed; NULL: nobody wants it for itself */
 } Aov;
+typedef struct {
+    KindInfo info;
+    AovKind  kind;
+    const char *channels;       /* letters, of a layer of a file */
+} AovInfo;
+extern const AovInfo *const aovs[];                     /* ends with NULL */
 
-/* From "normal=FILE", "depth=FILE", "albedo=FILE", "length:N=FILE", "strategy:NAME=FILE",
- * "samples=FILE". `text` is borrowed for the file's name. False: usage error reported. */
+/* From "NAME=FILE", as "depth=FILE", "length:N=FILE". `text` is borrowed for the file's name.
+ * False: usage error reported. */
 bool aov_parse(Aov *a, const char *text);
+/* What it is called as a layer of a file ("length.2"), in name, and what its channels are there. */
+const char *aov_layer(const Aov *a, char *name, size_t room);
+const char *aov_channels(const Aov *a);
+
+/* A camera sample as they see it. */
+typedef struct {
+    Ray   ray, middle;          /* middle: through that of pixel and lens */
+    float weight;               /* of the pixel filter */
+    bool  first;                /* of the pixel, on the film */
+} AovSample;
 bool aov_needs_tally(const Aov *a, int n);
 /* Which layers of the film, 1 + k for aov k, take splats of which paths; layer 0 takes all. */
 void aov_layers(const Aov *a, int n, Canvas *c);
-bool aov_needs_hit(const Aov *a, int n);
-/* Values of n pictures for one camera sample. */
-void aov_values(const Aov *a, int n, const Ray *r, Tracer *t, Rgb *values);
-/* Picture k of a film: film_picture(f, 1 + k), but for the counts of samples. */
+/* Values of the picture, values[0], which is given, and n more, times the sample's weight. */
+void aov_values(const Aov *a, int n, const AovSample *s, Tracer *t, Rgb *values);
+/* Picture k of a film: what its layer 1 + k stands for. */
 void aov_picture(const Aov *a, const Film *f, int k, Image *im);
 /* Turns a picture into what a display format can show (normals to colours, depths to greys). */
 void aov_display(const Aov *a, Image *im);
 
 /* ---- settings ---- */
 
-enum { OUTPUTS_MAX = 8, AOVS_MAX = 16 };
+enum { OUTPUTS_MAX = 8, AOVS_ASKED = 16 };
+enum { AOVS_MAX = 30 };                 /* with what those asked for need: a bit of 31 each */
 
 typedef struct {
     double   seconds, cpu_seconds;      /* of rendering alone */
@@ -80,7 +102,7 @@ typedef struct {
 /* What the command line asked for, as text; NULL or 0 where it said nothing. */
 typedef struct {
     const char *integrator, *sampler, *filter, *accel, *adaptive;
-    const char *aovs[AOVS_MAX];
+    const char *aovs[AOVS_ASKED];
     int      naovs;
     uint32_t w, h, crop[4];
     bool     crop_given, seed_given;
@@ -98,6 +120,13 @@ bool settings_adaptive(RenderSettings *s, const RenderRequest *q, Arena *arena);
 bool settings_camera(SceneFile *f);
 /* The file name that the scene gives for its picture, or NULL. Borrowed from f. */
 const char *settings_filename(const SceneFile *f);
+
+/* The number of the aov of this kind; if there is none, one without a file is added, for what
+ * else needs it. At most 12 such. */
+int settings_aov(RenderSettings *s, AovKind kind, int which);
+/* Whether the integrator can give those that were asked for; adds what they need. False: usage
+ * error reported. */
+bool settings_aovs_fit(RenderSettings *s);
 
 /* Renders into *film, which it makes (layer 0: the picture; 1 + k: aov k). The scene must be
  * built. False: reported, *film empty. */

@@ -224,7 +224,7 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
     for (; s->naovs < q->naovs; s->naovs++)
         if (!aov_parse(&s->aovs[s->naovs], q->aovs[s->naovs]))
             return false;
-    return true;
+    return settings_aovs_fit(s);
 }
 
 bool settings_camera(SceneFile *f)

@@ -1,21 +1,21 @@
 /* primary.h -- the numbers that one sample was made of, kept and changed: the primary sample space.
  *
  * Source      [Kelemen02], [Cline07 7.13; errata 7.13].
- * Idea        What a path is made of are the numbers that its decisions asked a sampler for. This
- *             sampler gives a proposal: decisions that the present sample made too are answered
- *             with nearly its numbers, all others, or all in a large step, with fresh ones. What
- *             comes of it becomes the present sample, or is dropped.
+ * Idea        A path is made of the numbers that its decisions asked a sampler for. This sampler
+ *             gives a proposal: decisions that the present sample made too are answered with nearly
+ *             its numbers, all others, or all in a large step, with fresh ones. What comes of it
+ *             becomes the present sample, or is dropped.
  * Symmetric   Numbers move by the same kernel both ways and wrap around, so a proposal and its
  *             reverse have equal densities. Of decisions that only one of the two samples makes,
- *             one way draws them afresh, of density 1, and the other leaves them undrawn, which is 1
- *             too. So a number that is no longer asked for is dropped at once, and nobody has to
+ *             one way draws them afresh, of density 1, and the other leaves them undrawn, which is
+ *             1 too. So a number that is no longer asked for is dropped, and nobody has to
  *             remember when it last changed, as [Kelemen02] does.
  * Kernel      Steps of either sign, their logarithm even between those of the least and the largest
  *             one. Numbers are whole multiples of 2^-24, and so are steps: what wraps around comes
  *             back exactly.
  * Pure        The proposal's numbers are functions of the present ones, of the proposal's key and
  *             the decision alone. A decision asked for twice gets the same answer. Those beyond
- *             PRIMARY_MOST are not kept: they are fresh in every proposal, which is symmetric too. */
+ *             PRIMARY_MOST are not kept but fresh in every proposal: symmetric too. */
 #ifndef SAMPLING_PRIMARY_H
 #define SAMPLING_PRIMARY_H
 

@@ -1,0 +1,109 @@
+/* outputs.c -- see outputs.h. */
+#include "cli/outputs.h"
+
+#include "base/file.h"
+#include "image/exr.h"
+
+#include <string.h>
+
+/* Output k: first the pictures, then the extra ones. */
+static int outputs_n(const Outputs *o, const RenderSettings *s) { return o->n + s->naovs; }
+
+static const char *file_of(const Outputs *o, const RenderSettings *s, int k)
+{
+    return k < o->n ? o->pictures[k] : s->aovs[k - o->n].file;
+}
+
+static const Aov *aov_of(const Outputs *o, const RenderSettings *s, int k)
+{
+    return k < o->n ? NULL : &s->aovs[k - o->n];
+}
+
+bool outputs_possible(const Outputs *o, const RenderSettings *s)
+{
+    for (int k = 0; k < outputs_n(o, s); k++)
+        if (file_of(o, s, k) && !out_possible(file_of(o, s, k)))
+            return false;
+    return true;
+}
+
+/* False: reported. */
+static bool make_picture(const Film *f, const RenderSettings *s, const Aov *a, Image *im)
+{
+    if (!image_init(im, f->w, f->h))
+        return false;
+    if (a)
+        aov_picture(a, f, (int)(a - s->aovs), im);
+    else
+        film_picture(f, 0, im);
+    return true;
+}
+
+static bool write_alone(const Outputs *o, const RenderSettings *s, const Film *f, int k)
+{
+    const ImageFormat *format = image_format_for_writing(file_of(o, s, k));
+    const Aov *a = aov_of(o, s, k);
+    Image im;
+    bool ok = format && make_picture(f, s, a, &im);
+
+    if (!ok)
+        return false;
+    if (a && !format->linear)
+        aov_display(a, &im);
+    ok = format->write(&im, file_of(o, s, k), &o->display);
+    image_clear(&im);
+    return ok;
+}
+
+static bool same_file(const Outputs *o, const RenderSettings *s, int a, int b)
+{
+    const char *x = file_of(o, s, a), *y = file_of(o, s, b);
+    return x && y && !strcmp(x, y);
+}
+
+/* Of those that go to the same file: whether k is the first one, or what it is the layer of. */
+static bool is_first(const Outputs *o, const RenderSettings *s, int k)
+{
+    for (int i = 0; i < k; i++)
+        if (same_file(o, s, i, k))
+            return false;
+    return true;
+}
+
+/* All outputs of the file of output k, which is the first of them, as layers. */
+static bool write_layers(const Outputs *o, const RenderSettings *s, const Film *f, int k)
+{
+    enum { MOST = OUTPUTS_MAX + AOVS_MAX };
+    ExrLayer layers[MOST];
+    Image images[MOST];
+    char names[MOST][EXR_NAME];
+    int n = 0;
+    bool ok = true;
+
+    for (int i = k; ok && i < outputs_n(o, s); i++) {
+        const Aov *a = aov_of(o, s, i);
+        if (!same_file(o, s, i, k) || (i > k && !a))
+            continue;
+        ok = make_picture(f, s, a, &images[n]);
+        layers[n] = (ExrLayer){ a ? aov_layer(a, names[n], EXR_NAME) : "",
+                                a ? aov_channels(a) : "RGB", &images[n] };
+        n += ok;
+    }
+    ok = ok && exr_write(file_of(o, s, k), layers, n, !o->display.uncompressed);
+    while (n > 0)
+        image_clear(&images[--n]);
+    return ok;
+}
+
+bool outputs_write(const Outputs *o, const RenderSettings *s, const Film *f)
+{
+    bool ok = true;
+
+    for (int k = 0; k < outputs_n(o, s); k++) {
+        const char *path = file_of(o, s, k);
+        bool layered = path && !strcmp(image_format_for_writing(path)->info.name, "exr");
+        if (path && (!layered || is_first(o, s, k)))
+            ok = (layered ? write_layers(o, s, f, k) : write_alone(o, s, f, k)) && ok;
+    }
+    return ok;
+}

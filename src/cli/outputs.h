@@ -1,0 +1,20 @@
+/* outputs.h -- pictures of a render become files: the picture itself, and the extra ones. */
+#ifndef CLI_OUTPUTS_H
+#define CLI_OUTPUTS_H
+
+#include "render/render.h"
+
+/* Files to write and how; borrowed. */
+typedef struct {
+    const char *pictures[OUTPUTS_MAX];
+    int     n;
+    Display display;
+} Outputs;
+
+/* Whether all could be written, asked before the hours of rendering. False: reported. */
+bool outputs_possible(const Outputs *o, const RenderSettings *s);
+/* Writes all, each of them even if others fail. What goes to one .exr file are its layers. False:
+ * reported. */
+bool outputs_write(const Outputs *o, const RenderSettings *s, const Film *f);
+
+#endif

@@ -1,0 +1,148 @@
+/* lightstore.c -- see lightstore.h. */
+#include "integrators/lightstore.h"
+
+#include "base/error.h"
+#include "base/mem.h"
+
+#include <string.h>
+
+enum { TRACE };                         /* the first phase; the others are those of arrivals.h */
+enum { NO_KEPT_MEDIUM = 0xffffff };
+
+bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths)
+{
+    memset(s, 0, sizeof *s);
+    if (scene->nmedia >= NO_KEPT_MEDIUM)
+        return err_at((Place){ NULL, 0, 0 }, "the scene has %lu media, expected less than %d",
+                      (unsigned long)scene->nmedia, NO_KEPT_MEDIUM);
+    if (!arrivals_init(&s->arrivals, sizeof(KeptVertex), paths))
+        return false;
+    s->first = MEM_ARRAY(uint32_t, s->arrivals.nbatches * (ARRIVALS_BATCH + 1));
+    if (s->first)
+        return true;
+    arrivals_clear(&s->arrivals);
+    return false;
+}
+
+void lightstore_clear(LightStore *s)
+{
+    mem_free(s->first);
+    arrivals_clear(&s->arrivals);
+    memset(s, 0, sizeof *s);
+}
+
+/* ---- one vertex ---- */
+
+/* Unit vectors on the octahedron |x| + |y| + |z| = 1, of which the lower half is folded outwards:
+ * two numbers tell them to the last bits. */
+static void way_fold(V3 d, float way[2])
+{
+    float s = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z)), x = d.x * s, y = d.y * s;
+
+    way[0] = d.z >= 0.0f ? x : copysignf(1.0f - fabsf(y), x);
+    way[1] = d.z >= 0.0f ? y : copysignf(1.0f - fabsf(x), y);
+}
+
+V3 kept_way(const KeptVertex *k)
+{
+    float x = k->way[0], y = k->way[1], z = 1.0f - fabsf(x) - fabsf(y);
+
+    if (z < 0.0f) {
+        float folded = copysignf(1.0f - fabsf(y), x);
+        y = copysignf(1.0f - fabsf(x), y);
+        x = folded;
+    }
+    return v_unit(v3(x, y, z));
+}
+
+static KeptVertex keep(const LightVertex *y)
+{
+    KeptVertex k = { { y->v.s.p.x, y->v.s.p.y, y->v.s.p.z }, { 0, 0 }, y->hit.u, y->hit.v,
+                     y->hit.outer, y->hit.prim, { y->flux.r, y->flux.g, y->flux.b }, y->odds,
+                     y->medium == NO_MEDIUM ? NO_KEPT_MEDIUM : y->medium, (uint32_t)y->edges };
+
+    way_fold(y->d, k.way);
+    return k;
+}
+
+/* The ray that is at its end already: nothing is lost along the way. */
+static void make_again(const KeptVertex *k, LightVertex *y, Tracer *t)
+{
+    Ray r = { .o = v3(k->p[0], k->p[1], k->p[2]), .d = kept_way(k), .tmax = INFINITY,
+              .time = t->moment };
+
+    y->hit = (Hit){ 0.0f, k->u, k->v, k->outer, k->prim };
+    accel_surface(t->scene->accel, &r, &y->hit, &y->v.s);
+    vertex_make(&y->v, t->scene, r.d);
+    y->flux = rgb(k->flux[0], k->flux[1], k->flux[2]);
+    y->odds = k->odds;
+    y->d = r.d;
+    y->medium = k->medium == NO_KEPT_MEDIUM ? NO_MEDIUM : k->medium;
+    y->edges = (int)k->edges;
+}
+
+/* ---- a pass ---- */
+
+/* A path has a pattern of its own, over the passes: it is joined with the paths of one pixel alone,
+ * which must see all of the lamps in turn. */
+static bool trace(const Bidirectional *b, uint32_t pass, uint64_t path,
+                  ArrivalBatch *batch, Tracer *t)
+{
+    LightVertex y[DEPTH_MOST];
+    int n;
+
+    sampler_pixel(&t->sampler, (uint32_t)path, (uint32_t)(path >> 32));
+    sampler_start(&t->sampler, pass);
+    sampler_second(&t->sampler);
+    n = bidirectional_light(b, t->moment, y, t);
+    for (int i = 0; i < n; i++) {
+        KeptVertex k = keep(&y[i]);
+        if (!arrivals_add(batch, sizeof k, &k))
+            return false;
+    }
+    return true;
+}
+
+static void trace_batch(LightStore *s, const Bidirectional *b, uint32_t pass, uint64_t unit,
+                        Tracer *t)
+{
+    ArrivalBatch *batch = &s->arrivals.batches[unit];
+    uint32_t *first = s->first + unit * (ARRIVALS_BATCH + 1);
+    uint64_t end = arrivals_end(&s->arrivals, unit);
+
+    batch->n = 0;
+    *first = 0;
+    for (uint64_t i = arrivals_first(unit); i < end; i++) {
+        if (!trace(b, pass, i, batch, t)) {
+            t->failed = true;
+            return;
+        }
+        *++first = (uint32_t)batch->n;
+    }
+}
+
+uint64_t lightstore_units(const LightStore *s, int phase, bool merges)
+{
+    return phase == TRACE ? s->arrivals.nbatches
+                          : merges ? arrivals_units(&s->arrivals, phase - 1) : 0;
+}
+
+void lightstore_run(LightStore *s, const Bidirectional *b, uint32_t pass, int phase,
+                    uint64_t unit, Tracer *t)
+{
+    if (phase == TRACE)
+        trace_batch(s, b, pass, unit, t);
+    else
+        t->failed |= !arrivals_run(&s->arrivals, phase - 1, unit, 2.0f * s->radius);
+}
+
+int lightstore_path(const LightStore *s, uint64_t number, LightVertex *path, Tracer *t)
+{
+    uint64_t unit = number / ARRIVALS_BATCH, i = number % ARRIVALS_BATCH;
+    const uint32_t *first = s->first + unit * (ARRIVALS_BATCH + 1) + i;
+    const KeptVertex *k = (const KeptVertex *)(const void *)s->arrivals.batches[unit].records;
+
+    for (uint32_t j = first[0]; j < first[1]; j++)
+        make_again(&k[j], &path[j - first[0]], t);
+    return (int)(first[1] - first[0]);
+}

@@ -1,0 +1,47 @@
+/* lightstore.h -- the vertices of all light paths of a pass, kept small, and a grid of where they
+ * are.
+ *
+ * Source      [GIRT 4.2, 5.4], [Georgiev12].
+ * Small       64 bytes a vertex: what was hit, so that the vertex can be made again for
+ *             connections, and what mergers need. The grid adds 16.
+ * Order       Vertices stand by path, so that each of the eye's paths finds that one of its own. */
+#ifndef INTEGRATORS_LIGHTSTORE_H
+#define INTEGRATORS_LIGHTSTORE_H
+
+#include "integrators/arrivals.h"
+#include "integrators/bidirectional.h"
+
+typedef struct {
+    float    p[3];
+    float    way[2];            /* of the light that came, see direction_fold */
+    float    u, v;              /* of the hit */
+    uint32_t outer, prim;
+    float    flux[3];
+    Odds     odds;
+    uint32_t medium : 24, edges : 8;
+} KeptVertex;
+
+struct LightStore {
+    Arrivals arrivals;          /* owned */
+    uint32_t *first;            /* owned: of each path, within its batch */
+    float    radius;            /* of mergers, in this pass */
+};
+
+/* For so many light paths a pass. False: reported, and nothing has to be cleared. */
+bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths);
+void lightstore_clear(LightStore *s);
+
+/* A pass: its light paths are traced and shown to the lens, then sorted into the grid. `merges`:
+ * the grid is wanted. */
+enum { LIGHTSTORE_PHASES = 1 + ARRIVALS_PHASES };
+uint64_t lightstore_units(const LightStore *s, int phase, bool merges);
+void     lightstore_run(LightStore *s, const Bidirectional *b, uint32_t pass, int phase,
+                        uint64_t unit, Tracer *t);
+
+/* The vertices of a path, made again. Returns how many: at most DEPTH_MOST. */
+int lightstore_path(const LightStore *s, uint64_t number, LightVertex *path, Tracer *t);
+
+/* The way the light came, unit. */
+V3  kept_way(const KeptVertex *k);
+
+#endif
