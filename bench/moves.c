@@ -1,5 +1,5 @@
-/* moves.c -- chains of explicit paths: their speed, their error beside that of path tracing in equal
- * time, and the pictures of chapters 7 and 8 of [Cline07] as numbers.
+/* moves.c -- chains of explicit paths: their speed, their error beside that of path tracing in
+ * equal time, and the pictures of chapters 7 and 8 of [Cline07] as numbers.
  *
  * Errors    Of a method's picture against two independent references, see paired_relmse; runs end
  *           near a number of CPU-seconds, and errors are scaled to it as if they fell as 1 / t.
@@ -123,8 +123,8 @@ void bench_moves_speed(void)
         if ((double)r.samples / r.cpu_seconds > best)
             best = (double)r.samples / r.cpu_seconds;
     }
-    printf("moves\tscenes/s5.pbrt\tmlt:direct=no\tMmutations a CPU-second: best %.3f\tpeer: Mitsuba "
-           "0.6 1.08; asked for 1.5\n", best * 1e-6);
+    printf("moves\tscenes/s5.pbrt\tmlt:direct=no\tMmutations a CPU-second: best %.3f\t"
+           "peer: Mitsuba 0.6 1.08; asked for 1.5\n", best * 1e-6);
 }
 
 void bench_moves_error(void)

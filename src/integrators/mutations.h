@@ -79,14 +79,14 @@ double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Verte
 /* F over T for the mutation, up to a factor that is the same for all paths that it joins. */
 double mutation_worth(Move m, const LightPath *p, const Camera *c);
 
-#define MUTATION_OPTIONS(near, far, side)                                      \
+#define MUTATION_OPTIONS(near, far, side)                                     \
     { .key = "lens", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,          \
       .help = "share of lens perturbations where several kinds apply" },       \
     { .key = "multichain", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,    \
       .help = "share of multi-chain perturbations" },                          \
     { .key = "caustic", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,       \
       .help = "share of caustic perturbations" },                              \
-    { .key = "inner", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,         \
+    { .key = "inner", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e6,         \
       .help = "share of those that move what lies behind the first vertices" }, \
     { .key = "nearest", .type = OPT_FLOAT, .num = near, .lo = 1e-6, .hi = 1e6, \
       .help = "least move on the picture, pixels" },                           \
