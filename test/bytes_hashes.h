@@ -15,6 +15,8 @@
     { "integrator/bpm", 0x34D6A87577ADCB69 },
     { "integrator/vcm", 0x39E6EEF4975A393F },
     { "integrator/pssmlt", 0x0552EBE89A24C257 },
+    { "integrator/mlt", 0x568ABC491B452727 },
+    { "integrator/erpt", 0xAC5F18FE50A164A9 },
     { "integrator/radiancecache", 0x401630B330CA4425 },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },

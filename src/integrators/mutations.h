@@ -79,7 +79,7 @@ double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Verte
 /* F over T for the mutation, up to a factor that is the same for all paths that it joins. */
 double mutation_worth(Move m, const LightPath *p, const Camera *c);
 
-#define MUTATION_OPTIONS(near, far, side)                                     \
+#define MUTATION_OPTIONS(near, far, side)                                      \
     { .key = "lens", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,          \
       .help = "share of lens perturbations where several kinds apply" },       \
     { .key = "multichain", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,    \
