@@ -31,6 +31,26 @@ static void add_coats(Lab *l)
                           lab_material(l, "diffuse", "reflectance=0")), "L=4/5/6");
 }
 
+/* In air that takes light away, and water that takes more of it. */
+static void add_tank(Lab *l)
+{
+    Medium air = { "", { 0.05f, 0.02f, 0.01f }, { 0, 0, 0 }, 0 },
+           water = { "", { 0.5f, 0.3f, 0.2f }, { 0, 0, 0 }, 0 };
+    uint32_t around, within, ball;
+    Shape *s;
+
+    REQUIRE(scene_add_medium(l->scene, &air, &around) &&
+            scene_add_medium(l->scene, &water, &within), "memory");
+    l->scene->around = around;
+    add_ball(l);
+    ball = lab_sphere(l, v3(1.7f, -0.5f, 0.5f), 0.5f, lab_material(l, "dielectric", "eta=1.33"),
+                      false);
+    s = &l->scene->geometries[0].shapes[ball];
+    s->separates = true;
+    s->inside = within;
+    s->outside = around;
+}
+
 typedef struct {
     const char *name, *lamps[2];
     void (*add)(Lab *l);
@@ -56,6 +76,8 @@ static const Scenery sceneries[] = {
       { 0.5f, -7, 3 }, { 0, 0, 1 }, 45 },
     { "a ball of glass, a lens", { "infinite", NULL }, add_ball, "orthographic",
       "lensradius=0.05,focaldistance=4", "", { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 60 },
+    { "media", { NULL, NULL }, add_tank, "perspective", "", "",
+      { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 45 },
 };
 enum { SCENERIES = sizeof sceneries / sizeof *sceneries };
 
@@ -113,6 +135,7 @@ static void mlt(void)
     compare(&sceneries[0], "mlt:" SHORT ",direct=no,newpath=0.3", 3, 8, 0.1);
     compare(&sceneries[1], "mlt:" SHORT, 5, 24, 0.2);
     compare(&sceneries[3], "mlt:" SHORT ",direct=no,newpath=0.3,square=9", 3, 8, 0.1);
+    compare(&sceneries[8], "mlt:" SHORT ",inner=1", 5, 24, 0.2);
 }
 
 static void erpt(void)
