@@ -12,7 +12,8 @@
  *                         elsewhere;
  *             inner       the same further on: to a smooth vertex that follows another, to which
  *                         it is joined. None of the others moves what lies behind two neighbours
- *                         that are smooth, and chains would keep it till they find a new path.
+ *                         that are smooth, which chains keep till they find a new path. Not in
+ *                         the sources, and off by default.
  * Signature   A moved path has the same number of edges and the same events: so the same kinds
  *             apply to it, and the choice among them has the same probabilities both ways.
  * Acceptance  a = min(1, F(y) T(y>x) / (F(x) T(x>y))), (7.14), with F and T per area, T being
@@ -87,7 +88,8 @@ double mutation_worth(Move m, const LightPath *p, const Camera *c);
     { .key = "caustic", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,       \
       .help = "share of caustic perturbations" },                              \
     { .key = "inner", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e6,         \
-      .help = "share of those that move what lies behind the first vertices" }, \
+      .help = "share of those that move what lies behind the first two smooth vertices: fewer " \
+              "spikes, but more noise in all" },                               \
     { .key = "nearest", .type = OPT_FLOAT, .num = near, .lo = 1e-6, .hi = 1e6, \
       .help = "least move on the picture, pixels" },                           \
     { .key = "farthest", .type = OPT_FLOAT, .num = far, .lo = 0, .hi = 1e6,    \
