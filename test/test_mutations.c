@@ -30,8 +30,8 @@ static uint32_t half_mirror(Lab *l, uint32_t other)
     return mix;
 }
 
-/* A room open to the sky on the eye's side, with water on its floor: what crosses a ball comes out as
- * it went in, and faults of refraction would cancel. */
+/* A room open to the sky on the eye's side, with water on its floor: what crosses a ball comes out
+ * as it went in, and faults of refraction would cancel. */
 static void add_room(Lab *l)
 {
     uint32_t black = lab_material(l, "diffuse", "reflectance=0"),
