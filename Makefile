@@ -32,6 +32,11 @@ bench: all
 	+@$(RUN) build/$(V)/bench
 	@build/$(V)/bench $(T)
 
+# All benchmarks, or those of T, on one page.
+report: all
+	+@$(RUN) build/$(V)/bench
+	@build/$(V)/bench report bench.html $(T)
+
 demo: all
 	./rushlight scenes/cornell.pbrt -o cornell.png
 
@@ -58,10 +63,11 @@ help:
 	@echo "make gallery     every scene, on one sheet; PROBES=dir: under dir/probe.hdr, SHEET=x.png"
 	@echo "make check-long  the slower proofs          make check T=accel   some of the tests"
 	@echo "make bench T=memory|speed|arity|adaptive  tables of [Cline07], also of your own: MODELS=dir make ..."
+	@echo "make report      all that bench prints and draws, as bench.html (T=some of it)"
 	@echo "make V=debug|asan|tsan|plain  other builds, in build/V"
 	@echo "make PORTABLE=1  without tuning to this processor"
 	@echo "make install PREFIX=/usr/local, make clean"
 
 rules:
 
-.PHONY: all check check-long bench demo gallery probe install clean help rules
+.PHONY: all check check-long bench report demo gallery probe install clean help rules

@@ -29,6 +29,8 @@ void bench_twostage_cost(void); /* what partitions cost beside the rays that the
 void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_copyimage(void);     /* figures 7.22 and 7.23: a picture copied by Metropolis sampling */
+void bench_pssmlt(void);        /* chains of samples against samples alone */
+void bench_denoise(void);       /* noise filters: error at 16 samples, pictures side by side */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
 void bench_moves_speed(void);   /* mutations a CPU-second */
@@ -56,6 +58,8 @@ double paired_relmse(const Image *a, const Image *r, const Image *q);
 /* Pictures in cells of w by h, as a file. False: reported. */
 bool sheet_of(const Image *im, uint32_t n, uint32_t columns, uint32_t w, uint32_t h,
               const char *file);
+/* Puts a picture, made smaller, into the middle of a place of w x h pixels of another. */
+void sheet_paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w, uint32_t h);
 /* COLUMNS WIDTH HEIGHT OUT IN...: a contact sheet. The exit status. */
 int sheet(int argc, char **argv);
 

@@ -158,7 +158,7 @@ void bench_copyimage(void)
 {
     static const char *const names[WAYS] = { "proposals anywhere", "half of them near by",
                                              "independent" };
-    static const Display display = { NULL, 0 };
+    static const Display display = { 0 };
     RenderReport report;
     Image f, sheet;
 

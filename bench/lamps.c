@@ -11,6 +11,7 @@
  *           the same at equal time. A whole ball is always taken by its cone: by area it is one
  *           with the least of caps cut off. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -120,8 +121,10 @@ static void banding(void)
         image_clear(&a);
         image_clear(&b);
     }
-    if (image_write(&all, "banding.png", &display))
+    if (image_write(&all, "banding.png", &display)) {
         printf("# the pictures, and what is off: banding.png\n");
+        report_picture("banding.png");
+    }
     image_clear(&all);
     image_clear(&ref[0]);
     image_clear(&ref[1]);

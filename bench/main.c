@@ -2,8 +2,10 @@
  * tables, on standard output; figures of the best peers, and of the document, stand beside ours
  * where there are any. Each figure is the median of several runs after a warm-up, in CPU time of
  * the process; what was computed is checked, and a line that fails its check says WRONG.
- * `bench sheet ...` measures nothing: it puts pictures side by side, for `make gallery`. */
+ * `bench report OUT.html [TEXT]` puts all of that, and what they draw, on one page. `bench sheet
+ * ...` measures nothing: it puts pictures side by side, for `make gallery`. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +15,8 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "load", bench_load }, { "rays", bench_rays }, { "paths", bench_paths },
     { "error", bench_error }, { "memory", bench_memory }, { "speed", bench_speed },
     { "arity", bench_arity }, { "adaptive", bench_adaptive }, { "zoneplate", bench_zoneplate },
-    { "jitter", bench_jitter }, { "copyimage", bench_copyimage },
+    { "denoise", bench_denoise }, { "jitter", bench_jitter }, { "copyimage", bench_copyimage },
+    { "pssmlt", bench_pssmlt },
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
@@ -40,14 +43,26 @@ static void machine(void)
 
 int main(int argc, char **argv)
 {
-    const char *text = argc > 1 ? argv[1] : "";
+    bool reports = argc > 2 && !strcmp(argv[1], "report");
+    const char *text = reports ? (argc > 3 ? argv[3] : "") : argc > 1 ? argv[1] : "";
 
     if (!strcmp(text, "sheet"))
         return sheet(argc - 2, argv + 2);
     messages_quiet(true);
-    machine();
+    if (reports && !report_begin(argv[2]))
+        return err_status();
+    if (reports)
+        report_section("machine", machine);
+    else
+        machine();
     for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)
-        if (strstr(benches[i].name, text))
+        if (!strstr(benches[i].name, text))
+            continue;
+        else if (reports)
+            report_section(benches[i].name, benches[i].run);
+        else
             benches[i].run();
+    if (reports)
+        report_end();
     return err_status();
 }

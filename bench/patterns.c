@@ -2,6 +2,7 @@
  * star discrepancy of each, how variance falls with N for the three kinds of integrand of
  * [Mitchell96], and what uncorrelated jittering [Shirley91 5.4.1] gains. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include "render/plot.h"
 
@@ -80,8 +81,10 @@ static void figures(void)
         }
         sets[k] = (PlotPoints){ p->title, xy[k], (int)p->n, p->columns, p->rows };
     }
-    if (plot_write_points("patterns.svg", sets, PANELS, ACROSS))
+    if (plot_write_points("patterns.svg", sets, PANELS, ACROSS)) {
         printf("# figures 4.11 to 4.15: patterns.svg\n");
+        report_picture("patterns.svg");
+    }
 }
 
 /* ---- star discrepancy ---- */

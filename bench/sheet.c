@@ -23,8 +23,7 @@ static Rgb mean_at(const Image *im, uint32_t x, uint32_t y, uint32_t w, uint32_t
     return rgb_scale(sum, 1.0f / ((float)(x1 - x0) * (float)(y1 - y0)));
 }
 
-static void paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w,
-                  uint32_t h)
+void sheet_paste(Image *all, const Image *im, uint32_t left, uint32_t top, uint32_t w, uint32_t h)
 {
     double s = d_min(1, d_min((double)w / im->w, (double)h / im->h));
     uint32_t tw = (uint32_t)d_max(1, s * im->w + 0.5), th = (uint32_t)d_max(1, s * im->h + 0.5);
@@ -45,7 +44,7 @@ bool sheet_of(const Image *im, uint32_t n, uint32_t columns, uint32_t w, uint32_
                          (n + columns - 1) / columns * (h + RIM) + RIM);
 
     for (uint32_t k = 0; ok && k < n; k++)
-        paste(&all, &im[k], RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
+        sheet_paste(&all, &im[k], RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
     ok = ok && image_write(&all, file, &display);
     image_clear(&all);
     return ok;

@@ -9,6 +9,7 @@
  * sqrt(t e^2 of two stage / t e^2). Seconds hold the making of maps, but not the reading of files
  * nor the building of trees. Curves go to build/triple-*.svg. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include "base/mem.h"
 #include "render/plot.h"
@@ -140,7 +141,8 @@ static void draw(const char *name, const Method *m, const Result *r, int n)
         panel[dark] = (PlotPanel){ "CPU seconds", what[dark], curve[dark], n, 0, NULL };
     }
     snprintf(path, sizeof path, "build/triple-%s.svg", name);
-    plot_write(path, name, panel, 2);
+    if (plot_write(path, name, panel, 2))
+        report_picture(path);
 }
 
 /* m[0] is two stage, by which all are measured. */

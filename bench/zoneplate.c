@@ -5,6 +5,7 @@
  * the middle and on the right are aliases. Writes zoneplate.png, a panel for each filter, and
  * prints for each how much of the real rings is left and how much of the aliases. */
 #include "bench/bench.h"
+#include "bench/report.h"
 
 #include <stdio.h>
 
@@ -93,7 +94,9 @@ void bench_zoneplate(void)
     for (int k = 0; filters[k]; k++)
         if (filters[k] != kind_find(filters, "box"))
             panel(&im, n++, filters[k]->info.name, filters[k], 0);
-    if (image_write(&im, "zoneplate.png", &display))
+    if (image_write(&im, "zoneplate.png", &display)) {
         printf("  the figure is zoneplate.png\n");
+        report_picture("zoneplate.png");
+    }
     image_clear(&im);
 }

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/random.h"
-#include "image/image.h"
+#include "image/format.h"
 #include "test/test.h"
 
 #include <stdio.h>
@@ -69,6 +69,23 @@ static inline void fill_random(Image *im, Rng *r, int lo, uint32_t range)
         im->pixels[i].g = (float)(scale * rng_unit(r));
         im->pixels[i].b = (float)(scale * rng_unit(r));
     }
+}
+
+/* The bytes of a display format; 3 w h of them into b. */
+static inline void picture_bytes(const Image *im, const Display *display, unsigned char *b)
+{
+    Quantiser q;
+
+    REQUIRE(quantiser_init(&q, display, im), "quantiser_init");
+    for (uint32_t y = 0; y < im->h; y++)
+        quantiser_row(&q, y, b + (size_t)y * im->w * 3);
+    quantiser_clear(&q);
+}
+
+static inline void colour_bytes(Rgb c, const Display *display, unsigned char b[3])
+{
+    Image im = { 1, 1, &c, NULL };
+    picture_bytes(&im, display, b);
 }
 
 static inline uint32_t float_bits(float x)

@@ -1,13 +1,13 @@
-/* test_bidirectional.c -- paths from both ends: weights against densities worked out one by one, and
- * pictures against path tracing.
+/* test_bidirectional.c -- paths from both ends: weights against densities worked out one by one,
+ * and pictures against path tracing.
  *
  * Weights     The recursion of odds.h tells of each way of making a path from the two ends alone.
- *             Here the same paths are traced again and written down whole, every technique's density
- *             is multiplied up vertex by vertex, in double, and the weight is what its own share of
- *             them is: so all weights of a path add up to 1 by construction.
+ *             Here the same paths are traced again and written down whole, every technique's
+ *             density is multiplied up vertex by vertex, in double, and the weight is what its own
+ *             share of them is: so all weights of a path add up to 1 by construction.
  * Pictures    Means of tiles over 16 runs, see pictures.h. */
 #include "geometry/generate.h"
-#include "integrators/bidirectional.h"
+#include "integrators/lightstore.h"
 #include "test/lamp_help.h"
 
 #include <math.h>
@@ -35,7 +35,10 @@ typedef struct {
     int  edges;
 } Whole;
 
-static bool beyond(const Light *l) { return l->kind->infinite || l->kind->delta == DELTA_DIRECTION; }
+static bool beyond(const Light *l)
+{
+    return l->kind->infinite || l->kind->delta == DELTA_DIRECTION;
+}
 
 static V3 way(const Whole *w, int from, int to)
 {
@@ -313,8 +316,8 @@ static void compare(Pair *q, int s, int t)
     q->seen[s][t]++;
     q->off += fabs(got - want) > 1e-3 * want + 1e-7;
     if (fabs(got - want) > 0.02 * want + 1e-6 && !q->wrong++)
-        snprintf(q->worst, sizeof q->worst, "%d vertices from the %s, %d from the eye: weight %.9g, "
-                 "it is %.9g", s, w.lamp->kind->info.name, t, got, want);
+        snprintf(q->worst, sizeof q->worst, "%d vertices from the %s, %d from the eye: weight "
+                 "%.9g, it is %.9g", s, w.lamp->kind->info.name, t, got, want);
 }
 
 static void one_pair(Pair *q, uint32_t index)
@@ -396,7 +399,8 @@ static void weights_of(const char *lamp, const char *options, float eta, bool fi
 
 static void weights_many(long pairs)
 {
-    static const char *const lamps[] = { "ball", "point", "spot", "distant", "infinite", "picture" };
+    static const char *const lamps[] = { "ball", "point", "spot", "distant", "infinite",
+                                         "picture" };
     static const char *const how[] = { "balance", "power", "uniform" };
     long seen[MOST][MOST];
 
@@ -411,7 +415,7 @@ static void weights_many(long pairs)
         }
     for (int s = 0; s <= 4; s++)
         for (int t = s > 1 ? 1 : 3 - s; t <= 4; t++)
-            EXPECT(seen[s][t] > 0, "no path of %d vertices from the lamp and %d from the eye", s, t);
+            EXPECT(seen[s][t] > 0, "no path of %d vertices from the lamp, %d from the eye", s, t);
 }
 
 static void weights(void) { weights_many(5000); }
@@ -497,21 +501,23 @@ static void tank_by(const char *method, uint32_t spp)
 static void tank(void) { tank_by("bdpt:weights=balance", 16); }
 static void tank_vcm(void) { tank_by("vcm:share=0.001", 16); }
 
-/* Lamps of all kinds at once. */
+/* A closed one, where most of the light has been scattered more than once. */
 static void room(void)
 {
-    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.0003,weights=balance" };
+    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.002", "bpm:share=0.01" };
 
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 3; i++) {
+        Mesh walls;
         Lab l;
         lab_init(&l);
         lamp_add(&l, "ball");
         lamp_add(&l, "point");
-        lamp_add(&l, "picture");
         lamp_things(&l);
+        REQUIRE(mesh_box(&walls, v3(-4, -8, -0.1f), v3(4, 4, 5)), "memory");
+        lab_mesh(&l, &walls, lab_material(&l, "diffuse", "reflectance=0.8"), false);
         lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
         lab_build(&l);
-        expect_path(&l, methods[i], 3, 2, 0.15, methods[i]);
+        expect_path(&l, methods[i], 4, 8, i == 2 ? 0.08 : 0.05, methods[i]);
         lab_clear(&l);
     }
 }
@@ -540,7 +546,166 @@ static void glass(void)
     }
 }
 
+/* What is kept of a light path is the path. */
+static void kept(void)
+{
+    LightVertex path[DEPTH_MOST], again[DEPTH_MOST];
+    const SamplerKind *independent = kind_find(samplers, "random");
+    Bidirectional b = { 0 };
+    LightStore store;
+    uint32_t spp = 1;
+    Tracer t = { 0 };
+    long seen = 0;
+    Opts o, none;
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    l.scene->camera->kind->film(l.scene->camera, 32, 32);
+    lab_method(&l, "bdpt:maxdepth=6", &o);
+    opts_default(&none, independent->info.options);
+    t.scene = l.scene;
+    REQUIRE(bidirectional_open(&b, "test", l.scene, &o) && lightstore_init(&store, l.scene, 1500) &&
+            sampler_init(&t.sampler, independent, &none, 3, &spp), "memory");
+    for (uint64_t unit = 0; unit < lightstore_units(&store, 0, true); unit++)
+        lightstore_run(&store, &b, 5, 0, unit, &t);
+    for (uint32_t i = 0; i < 1500; i++) {
+        int n, m;
+        sampler_pixel(&t.sampler, i, 0);
+        sampler_start(&t.sampler, 5);
+        sampler_second(&t.sampler);
+        n = bidirectional_light(&b, 0.0f, path, &t);
+        m = lightstore_path(&store, i, again, &t);
+        EXPECT(n == m, "path %lu: %d vertices, %d were kept", (unsigned long)i, n, m);
+        for (int k = 0; k < n && k < m; k++, seen++) {
+            const LightVertex *x = &path[k], *y = &again[k];
+            EXPECT(v_len(v_sub(x->v.s.p, y->v.s.p)) <= 1e-5f && v_len(v_sub(x->d, y->d)) <= 1e-6f &&
+                   v_len(v_sub(x->v.wo, y->v.wo)) <= 1e-4f && x->edges == y->edges &&
+                   x->flux.g == y->flux.g && x->odds.early == y->odds.early &&
+                   x->medium == y->medium && x->v.s.shape == y->v.s.shape,
+                   "path %lu: vertex %d is another", (unsigned long)i, k);
+        }
+    }
+    EXPECT(seen > 300, "%ld vertices", seen);
+    lightstore_clear(&store);
+    bidirectional_clear(&b);
+    sampler_clear(&t.sampler);
+    lab_clear(&l);
+}
+
+/* ---- extra pictures ---- */
+
+enum { PICTURES = 8, EDGE = 24 };
+
+/* The picture and those asked for, as "NAME=FILE", by the same paths. */
+static void render_aovs(Lab *l, const char *method, const char *const *asked, int n,
+                        Image im[PICTURES])
+{
+    RenderSettings s;
+    RenderReport report;
+    Film film;
+
+    picture_settings(l, &s, method, EDGE, EDGE, 4);
+    for (s.naovs = 0; s.naovs < n; s.naovs++)
+        REQUIRE(aov_parse(&s.aovs[s.naovs], asked[s.naovs]), "%s", asked[s.naovs]);
+    picture_render(l, &s, &film, &report);
+    for (int k = 0; k <= n; k++) {
+        REQUIRE(image_init(&im[k], EDGE, EDGE), "memory");
+        film_picture(&film, k, &im[k]);
+    }
+    film_clear(&film);
+}
+
+static void expect_close(const Image *a, const Image *b, const char *what)
+{
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++) {
+        Rgb x = a->pixels[i], y = b->pixels[i];
+        EXPECT(fabs((double)x.g - (double)y.g) <= 1e-4 * (double)y.g + 1e-6, "%s: pixel %lu is %g, "
+               "expected %g", what, (unsigned long)i, x.g, y.g);
+    }
+}
+
+/* All ways of making paths of three edges are what these bring, of a picture with mergers too. */
+static void techniques_add_up(void)
+{
+    static const char *const asked[] = {
+        "technique:0,4=a.pfm", "technique:1,3=a.pfm", "technique:2,2=a.pfm", "technique:3,1=a.pfm",
+        "length:3=a.pfm"
+    };
+    Image im[PICTURES];
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    render_aovs(&l, "bdpt:maxdepth=4", asked, 5, im);
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++)
+        for (int k = 2; k <= 4; k++)
+            im[1].pixels[i] = rgb_add(im[1].pixels[i], im[k].pixels[i]);
+    expect_close(&im[1], &im[5], "paths of three edges");
+    for (int k = 0; k <= 5; k++)
+        image_clear(&im[k]);
+    lab_clear(&l);
+}
+
+/* Of several radii each makes the picture that it would alone: paths are the same. */
+static void radii(void)
+{
+    static const char *const asked[] = { "radius:1=a.pfm", "radius:3=a.pfm" };
+    static const char *const kinds[] = { "vcm", "bpm" };
+
+    for (int k = 0; k < 2; k++) {
+        Image im[PICTURES], alone[PICTURES];
+        char text[100];
+        Lab l;
+        lab_init(&l);
+        add_glass_room(&l);
+        snprintf(text, sizeof text, "%s:maxdepth=4,little=0,radii=3,radius=0.4", kinds[k]);
+        render_aovs(&l, text, asked, 2, im);
+        snprintf(text, sizeof text, "%s:maxdepth=4,little=0,radius=0.1", kinds[k]);
+        render_aovs(&l, text, NULL, 0, alone);
+        expect_close(&im[1], &im[0], "the largest radius");
+        expect_close(&im[2], &alone[0], "a quarter of it");
+        for (int i = 0; i < 3; i++)
+            image_clear(&im[i]);
+        image_clear(&alone[0]);
+        lab_clear(&l);
+    }
+}
+
+/* Mergers blur, the less the smaller their radius. */
+static double bias_of(Lab *l, const char *method, const Image *truth)
+{
+    Image im[PICTURES];
+    double sum = 0;
+
+    render_aovs(l, method, NULL, 0, im);
+    for (size_t i = 0; i < (size_t)EDGE * EDGE; i++)
+        sum += fabs((double)im[0].pixels[i].g - (double)truth->pixels[i].g);
+    image_clear(&im[0]);
+    return sum / (EDGE * EDGE);
+}
+
+static void radius_falls(void)
+{
+    Image truth[PICTURES];
+    double large, small;
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    render_aovs(&l, "path:maxdepth=2@@box", NULL, 0, truth);
+    large = bias_of(&l, "vcm:mode=ppm,maxdepth=2,radius=1.5,alpha=1,paths=16", &truth[0]);
+    small = bias_of(&l, "vcm:mode=ppm,maxdepth=2,radius=0.2,alpha=1,paths=16", &truth[0]);
+    EXPECT(small < 0.7 * large, "off by %g, with a wide radius by %g", small, large);
+    image_clear(&truth[0]);
+    lab_clear(&l);
+}
+
 const TestCase test_bidirectional[] = {
+    { "kept", kept, false },
+    { "techniques", techniques_add_up, false },
+    { "radii", radii, false },
+    { "radius_falls", radius_falls, false },
     { "weights", weights, false },
     { "weights_many", weights_long, true },
     { "room", room, false },

@@ -10,7 +10,9 @@
  *
  * writes that file anew, and `make check-long T=builds` tells whether all builds agree with it. */
 #include "cli/args.h"
+#include "image/denoise.h"
 #include "image/filter.h"
+#include "image/tonemap.h"
 #include "integrators/integrator.h"
 #include "lightsampling/lightsampler.h"
 #include "scenefile/shapes.h"
@@ -297,6 +299,13 @@ static void each_format(void)
         snprintf(line, sizeof line, "s.pbrt --quiet --tonemap %s -o x.ppm", tonemaps[k]->info.name);
         REQUIRE(run_line(line) == 0, "'%s' failed", line);
         check_hash("tonemap", tonemaps[k]->info.name, hash_of("x.ppm"));
+    }
+    for (size_t k = 0; denoisers[k]; k++) {
+        char line[200];
+        snprintf(line, sizeof line, "s.pbrt --quiet --denoise %s --dither -o x.ppm",
+                 denoisers[k]->info.name);
+        REQUIRE(run_line(line) == 0, "'%s' failed", line);
+        check_hash("denoise", denoisers[k]->info.name, hash_of("x.ppm"));
     }
 }
 

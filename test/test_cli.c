@@ -3,6 +3,7 @@
 #include "cli/args.h"
 #include "lightsampling/lightsampler.h"
 #include "render/render.h"
+#include "image/denoise.h"
 #include "test/cli_help.h"
 
 #include <string.h>
@@ -347,7 +348,8 @@ static const struct { const char *name; const void *list; } SETS[] = {
     { "media", medium_kinds },
     { "shapes", shape_readers },    { "cameras", cameras },     { "filters", filters },
     { "adaptives", adaptives },     { "aovs", aovs },
-    { "formats", image_formats },   { "tonemaps", tonemaps },
+    { "formats", image_formats },   { "tonemaps", tonemaps },       { "meters", meters },
+    { "denoisers", denoisers },
 };
 enum { SETS_N = sizeof SETS / sizeof *SETS };
 

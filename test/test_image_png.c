@@ -484,11 +484,12 @@ static size_t check_png(const Image *im, const Display *display, int *filters)
     p.rgb = mem_array(n, p.h);
     REQUIRE(p.rgb, "memory");
     unfilter(&p, f.out);
-    quantiser_init(&q, display);
+    REQUIRE(quantiser_init(&q, display, im), "quantiser_init");
     for (uint32_t y = 0; y < im->h; y++) {
-        quantiser_row(&q, image_at(im, 0, y), im->w, row);
+        quantiser_row(&q, y, row);
         EXPECT(!memcmp(row, p.rgb + y * n, n), "row %u differs", (unsigned)y);
     }
+    quantiser_clear(&q);
     for (int k = 0; k < 5; k++)
         filters[k] += p.filters[k];
     size = file.size;

@@ -284,7 +284,7 @@ static void materials(void)
     };
 
     for (size_t i = 0; i < sizeof things / sizeof *things; i++) {
-        const Way way = { "irradiancecache", "rays=300,", 16 };
+        const Way way = { "irradiancecache", "rays=300,minspacing=3,", 16 };
         double bias, sigma;
         Lab l;
         lab_init(&l);
@@ -316,7 +316,8 @@ static void extremes(void)
                                            "irradiancecache:rays=1,overture=false",
                                            "irradiancecache:minspacing=1e6,maxspacing=0.01",
                                            "radiancecache:rays=1,bands=10",
-                                           "radiancecache:sharpest=0" };
+                                           "radiancecache:sharpest=0",
+                                           "irradiancecache:photons=9,caustics=9,neighbours=9" };
     Image im, truth;
     Lab l;
 

@@ -216,21 +216,63 @@ static void compare(Lab *l, const char *method, const char *truth, uint32_t spp,
 static const char PATH[] = "path:maxdepth=4,roulette=2";
 #define FEW "bootstrap=2000,chains=20,maxdepth=4,roulette=2"
 
+/* Ways of having samples. The third misses what deltas show; none is seen here. */
+static const char *const ways[] = {
+    "pssmlt:over=path,direct=0," FEW, "pssmlt:" FEW, "pssmlt:over=light,direct=0," FEW,
+    "pssmlt:techniques=one,direct=0," FEW, "pssmlt:over=path," FEW, "pssmlt:techniques=one," FEW
+};
+enum { WAYS = sizeof ways / sizeof *ways };
+
+static const char *const worlds[] = { "quad", "ball", "point", "spot", "distant", "infinite",
+                                      "picture", "glass" };
+enum { WORLDS = sizeof worlds / sizeof *worlds };
+
+static void any_lamp(Lab *l, int world)
+{
+    lab_init(l);
+    if (world < WORLDS - 1)
+        lamp_add(l, worlds[world]);
+    lamp_things(l);
+    if (world == WORLDS - 1) {          /* and its caustic, by a lamp of some size */
+        lab_sphere(l, v3(1, -1.5f, 0.7f), 0.5f, lab_material(l, "dielectric", ""), false);
+        lab_shine(l, lab_disk(l, v3(-2, -1, 4.5f), v3(0.5f, 0, -0.8f), 1.5f, 0,
+                              lab_material(l, "diffuse", "reflectance=0")), "L=3/2/1");
+    }
+    lab_camera(l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, world % 2 ? "" :
+               "lensradius=0.1,focaldistance=6");
+    lab_build(l);
+}
+
 static void lamps(void)
 {
-    static const char *const names[] = { "quad", "ball", "point", "spot", "distant", "infinite",
-                                         "picture" };
-
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (int i = 0; i < WORLDS - 1; i++) {
         Lab l;
-        lab_init(&l);
-        lamp_add(&l, names[i]);
-        lamp_things(&l);
-        lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, i % 2 ? "" :
-                   "lensradius=0.1,focaldistance=6");
-        lab_build(&l);
-        compare(&l, i % 3 == 0 ? "pssmlt:over=path,direct=0," FEW : i % 3 == 1 ? "pssmlt:" FEW :
-                "pssmlt:over=light,direct=0," FEW, PATH, 16, 8, 0.15, names[i]);
+        any_lamp(&l, i);
+        compare(&l, ways[i % WAYS], PATH, i % WAYS == 3 ? 64 : 16, 8, 0.15, worlds[i]);
+        lab_clear(&l);
+    }
+}
+
+/* Sixteen times the steps, as everywhere under --long, and every way in every world. */
+static void all_lamps(void)
+{
+    char what[200];
+
+    for (int i = 0; i < WORLDS; i++) {
+        Series truth;
+        Lab l;
+        any_lamp(&l, i);
+        series_render(&l, &truth, PATH, 32, i == WORLDS - 1 ? 64 : 16, 6);
+        for (int k = 0; k < WAYS; k++) {
+            Series s;
+            if (i == WORLDS - 1 && k == 2)
+                continue;
+            snprintf(what, sizeof what, "%s, %s", worlds[i], ways[k]);
+            series_render(&l, &s, ways[k], 32, k == 3 ? 64 : 16, 5);
+            series_expect_same(&s, &truth, i == WORLDS - 1 ? 0.4 : 0.15, what);
+            series_clear(&s);
+        }
+        series_clear(&truth);
         lab_clear(&l);
     }
 }
@@ -296,7 +338,7 @@ static void windows(void)
 static void parts_of(Lab *l, const char *method)
 {
     enum { AOVS = 9 };
-    static const char *const aovs[AOVS] = {
+    static const char *const asked[AOVS] = {
         "strategy:implicit=a.pfm", "strategy:explicit=b.pfm", "strategy:lens=c.pfm",
         "strategy:connect=i.pfm", "length:1=d.pfm", "length:2=e.pfm", "length:3=f.pfm",
         "length:4=g.pfm", "length:5=h.pfm"
@@ -308,7 +350,7 @@ static void parts_of(Lab *l, const char *method)
 
     picture_settings(l, &s, method, 24, 20, 3);
     for (int k = 0; k < AOVS; k++)
-        REQUIRE(aov_parse(&s.aovs[k], aovs[k]), "%s", aovs[k]);
+        REQUIRE(aov_parse(&s.aovs[k], asked[k]), "%s", asked[k]);
     s.naovs = AOVS;
     picture_render(l, &s, &one, &report);
     s.threads = 3;
@@ -347,16 +389,16 @@ static void parts(void)
 /* Each part is what it is of `path`. */
 static void parts_alone(void)
 {
-    static const char *const aovs[] = { "length:2=a.pfm", "length:3=a.pfm",
+    static const char *const asked[] = { "length:2=a.pfm", "length:3=a.pfm",
                                         "strategy:explicit=a.pfm" };
     Lab l;
 
     any_scene(&l);
     for (int k = 0; k < 3; k++) {
-        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, aovs[k], 100,
-                             300);
-        Stat b = window_mean(&l, PATH, aovs[k], 100, 400);
-        stat_expect_same(&a, &b, 0.4, aovs[k]);
+        Stat a = window_mean(&l, k ? "pssmlt:over=path,direct=0," FEW : "pssmlt:" FEW, asked[k],
+                             100, 300);
+        Stat b = window_mean(&l, PATH, asked[k], 100, 400);
+        stat_expect_same(&a, &b, 0.4, asked[k]);
     }
     lab_clear(&l);
 }
@@ -414,9 +456,23 @@ static void refused(void)
     any_scene(&l);
     EXPECT(opens(&l, "pssmlt:over=ao") && opens(&l, "pssmlt:over=light"), "single samples");
     EXPECT(!opens(&l, "pssmlt:over=pssmlt") && !opens(&l, "pssmlt:over=sppm") &&
-           !opens(&l, "pssmlt:over=photonmap"), "more than single samples");
+           !opens(&l, "pssmlt:over=photonmap") &&
+           !opens(&l, "pssmlt:over=path,techniques=one"), "more than single samples");
     EXPECT(!opens(&l, "pssmlt:over=paht") && !opens(&l, "pssmlt:least=0.1,largest=0.01"),
            "no such thing");
+    lab_clear(&l);
+}
+
+/* What does not tell its light apart by length has all of it in the chains. */
+static void biased(void)
+{
+    Stat a, b;
+    Lab l;
+
+    any_scene(&l);
+    a = window_mean(&l, "pssmlt:over=ao," FEW, NULL, 100, 500);
+    b = window_mean(&l, "ao", NULL, 100, 600);
+    stat_expect_same(&a, &b, 0.1, "ao");
     lab_clear(&l);
 }
 
@@ -461,10 +517,12 @@ const TestCase test_pssmlt[] = {
     { "answers", answers, false },
     { "balance", balance, false },
     { "lamps", lamps, false },
+    { "all_lamps", all_lamps, true },
     { "windows", windows, false },
     { "parts", parts, false },
     { "parts_alone", parts_alone, false },
     { "tallies", tallies, false },
+    { "biased", biased, false },
     { "refused", refused, false },
     { "dark", dark, false },
     { NULL, NULL, false }

@@ -2,6 +2,7 @@
  * same lists that the program chooses from, so it cannot be wrong. */
 #include "base/number.h"
 #include "cli/args.h"
+#include "image/denoise.h"
 #include "lightsampling/lightsampler.h"
 #include "render/render.h"
 #include "scenefile/scenefile.h"
@@ -14,7 +15,8 @@ static const struct { const char *name; const void *list; } sets[] = {
     { "materials", bsdfs },         { "lights", lights },       { "lightsamplers", lightsamplers },
     { "media", medium_kinds },      { "shapes", shape_readers }, { "cameras", cameras },
     { "filters", filters },         { "adaptives", adaptives },     { "aovs", aovs },
-    { "formats", image_formats },   { "tonemaps", tonemaps },
+    { "formats", image_formats },   { "tonemaps", tonemaps }, { "meters", meters },
+    { "denoisers", denoisers },
 };
 enum { SETS = sizeof sets / sizeof sets[0] };
 

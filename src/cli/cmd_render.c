@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "base/work.h"
 #include "cli/args.h"
+#include "cli/displayargs.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
 #include "cli/sceneargs.h"
@@ -11,8 +12,9 @@
 #include <string.h>
 
 enum {
-    ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_TONEMAP,
-    ARG_EXPOSURE, ARG_UNCOMPRESSED, ARG_SCENE
+    ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_DENOISE,
+    ARG_FIREFLIES, ARG_DISPLAY,
+    ARG_SCENE = ARG_DISPLAY + DISPLAY_ARGS_N
 };
 
 static const ArgDef args[] = {
@@ -23,9 +25,8 @@ static const ArgDef args[] = {
     { "--error", "X", "stop at this estimated sigma/mu" },
     { "--adaptive", "NAME[:KEY=VALUE,...]", "samples where they are wanted; see list adaptives" },
     { "--aov", "NAME=FILE", "extra picture; see list aovs; those in one .exr are its layers" },
-    { "--tonemap", "NAME", "for display formats; see list tonemaps" },
-    { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
-    { "--uncompressed", NULL, ".exr files are not packed" },
+    DENOISING_ARGS,
+    DISPLAY_ARGS,
     SCENE_ARGS,
     { NULL, NULL, NULL }
 };
@@ -36,6 +37,7 @@ typedef struct {
     RenderRequest request;
     ReadLimits limits;
     const volatile sig_atomic_t *stop;
+    Arena arena;                /* of options */
 } Line;
 
 static bool set_aov(Line *l, const char *value)
@@ -51,15 +53,12 @@ static bool set_number(Line *l, int k, const char *value)
     RenderRequest *q = &l->request;
     const char *name = args[k].name;
     int64_t n = 0;
-    double x = 0;
     bool ok = true;
 
     switch (k) {
     case ARG_SPP:      ok = arg_int(name, value, 1, UINT32_MAX, &n); q->spp = (uint32_t)n; break;
     case ARG_TIME:     ok = arg_number(name, value, 1e-3, 1e9, &q->seconds); break;
     case ARG_ERROR:    ok = arg_number(name, value, 1e-9, 1e9, &q->error); break;
-    case ARG_EXPOSURE: ok = arg_number(name, value, -100, 100, &x);
-                       l->outputs.display.exposure = (float)x; break;
     default: break;
     }
     return ok;
@@ -80,14 +79,15 @@ static bool set(void *ctx, int k, const char *value)
     case ARG_INTEGRATOR: q->integrator = value; return true;
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_AOV:        return set_aov(l, value);
-    case ARG_TONEMAP:
-        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper",
-                                                  value);
-        return l->outputs.display.tonemap != NULL;
-    case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
+    case ARG_DENOISE:    return denoising_set(&l->outputs.denoising, value, &l->arena);
+    case ARG_FIREFLIES:  return denoising_set_fireflies(&l->outputs.denoising, value);
     default:
-        return k < ARG_SCENE ? set_number(l, k, value)
-                             : scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
+        if (k < ARG_DISPLAY)
+            return set_number(l, k, value);
+        if (k < ARG_SCENE)
+            return display_arg_set((DisplayArg)(k - ARG_DISPLAY), value, &l->outputs.display,
+                                   &l->arena);
+        return scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
     }
 }
 
@@ -99,6 +99,9 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
     double error = film_error(f);
 
     number_print_fixed(e, error, 4);
+    if (denoising_any(&l->outputs.denoising))
+        note("%s: filtered, and so biased: it is no longer a mean of samples",
+             l->outputs.pictures[0]);
     note("%s%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
          "estimated sigma/mu %s",
          l->outputs.n ? l->outputs.pictures[0] : "", l->outputs.n ? "" : "picture",
@@ -153,6 +156,8 @@ static bool render_scene(Line *l, SceneFile *f, int *status)
         !outputs_possible(&l->outputs, &s))
         return false;
     s.stop = l->stop;
+    l->outputs.denoising.threads = s.threads;
+    outputs_prepare(&l->outputs, &s);
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
     note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
@@ -176,27 +181,34 @@ const Command command_render = {
     run
 };
 
-static int run(int argc, char **argv)
+static int render_file(Line *l)
 {
-    Line l = { 0 };
-    ReadLimits limits = READ_LIMITS_DEFAULT;
     SceneFile f;
     int status = STATUS_OK;
     bool ok;
 
-    l.limits = limits;
-    l.request.threads = processors();
-    if (!args_parse(&command_render, argc, argv, set, &l))
+    l->request.max_pixels = l->limits.max_pixels;
+    l->stop = interrupts_catch();
+    if (!scenefile_read(&f, l->scene, &l->limits))
         return failed_status();
-    if (!l.scene) {
-        err_usage("render takes a scene (.pbrt, .obj or .ply); see rushlight help render");
-        return STATUS_USAGE;
-    }
-    l.request.max_pixels = l.limits.max_pixels;
-    l.stop = interrupts_catch();
-    if (!scenefile_read(&f, l.scene, &l.limits))
-        return failed_status();
-    ok = render_scene(&l, &f, &status);
+    ok = render_scene(l, &f, &status);
     scenefile_clear(&f);
     return ok && err_status() == STATUS_OK ? status : failed_status();
+}
+
+static int run(int argc, char **argv)
+{
+    Line l = { 0 };
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    bool ok;
+    int status;
+
+    l.limits = limits;
+    l.request.threads = processors();
+    ok = args_parse(&command_render, argc, argv, set, &l);
+    if (ok && !l.scene)
+        ok = err_usage("render takes a scene (.pbrt, .obj or .ply); see rushlight help render");
+    status = ok ? render_file(&l) : failed_status();
+    arena_clear(&l.arena);
+    return status;
 }

@@ -27,6 +27,36 @@ bool outputs_possible(const Outputs *o, const RenderSettings *s)
     return true;
 }
 
+/* ---- what filters want ---- */
+
+/* A layer of denoising.h as an extra picture. */
+static AovKind kind_of(int layer, int *which)
+{
+    static const AovKind parts[PARTS] = { AOV_PICTURE, AOV_EMISSION, AOV_DIRECT, AOV_INDIRECT };
+    static const AovKind guides[] = { AOV_ALBEDO, AOV_NORMAL, AOV_DEPTH };
+
+    *which = layer >= GUIDE_VARIANCE ? (int)parts[layer - GUIDE_VARIANCE] : 0;
+    return layer < PARTS ? parts[layer] : layer < GUIDE_VARIANCE ? guides[layer - GUIDE_ALBEDO]
+                                                                 : AOV_VARIANCE;
+}
+
+/* Where light comes in splats nobody knows the variance of parts. */
+static bool has_layer(const Outputs *o, const RenderSettings *s, int layer)
+{
+    return denoising_wants(&o->denoising, layer) &&
+           !(s->integrator->splats && layer > GUIDE_VARIANCE);
+}
+
+void outputs_prepare(const Outputs *o, RenderSettings *s)
+{
+    for (int layer = PART_EMISSION; layer < LAYERS; layer++) {
+        int which;
+        AovKind kind = kind_of(layer, &which);
+        if (has_layer(o, s, layer))
+            settings_aov(s, kind, which);
+    }
+}
+
 /* False: reported. */
 static bool make_picture(const Film *f, const RenderSettings *s, const Aov *a, Image *im)
 {
@@ -39,12 +69,37 @@ static bool make_picture(const Film *f, const RenderSettings *s, const Aov *a, I
     return true;
 }
 
+/* The picture as it is to be written. False: reported, *im empty. */
+static bool finish_picture(const Outputs *o, const RenderSettings *s, const Film *f, Image *im)
+{
+    RenderSettings copy = *s;   /* in which what is there is found */
+    Image layers[LAYERS] = { { 0 } };
+    bool ok = true;
+
+    for (int k = 0; ok && k < LAYERS; k++) {
+        int which;
+        AovKind kind = kind_of(k, &which);
+        if (k == PART_PICTURE || has_layer(o, s, k))
+            ok = make_picture(f, s, k ? &s->aovs[settings_aov(&copy, kind, which)] : NULL,
+                              &layers[k]);
+    }
+    ok = ok && denoising_run(&o->denoising, layers);
+    *im = layers[PART_PICTURE];
+    for (int k = ok; k < LAYERS; k++)
+        image_clear(&layers[k]);
+    if (!ok)
+        *im = (Image){ 0 };
+    return ok;
+}
+
+/* ---- files ---- */
+
 static bool write_alone(const Outputs *o, const RenderSettings *s, const Film *f, int k)
 {
     const ImageFormat *format = image_format_for_writing(file_of(o, s, k));
     const Aov *a = aov_of(o, s, k);
     Image im;
-    bool ok = format && make_picture(f, s, a, &im);
+    bool ok = format && (a ? make_picture(f, s, a, &im) : finish_picture(o, s, f, &im));
 
     if (!ok)
         return false;
@@ -84,7 +139,7 @@ static bool write_layers(const Outputs *o, const RenderSettings *s, const Film *
         const Aov *a = aov_of(o, s, i);
         if (!same_file(o, s, i, k) || (i > k && !a))
             continue;
-        ok = make_picture(f, s, a, &images[n]);
+        ok = a ? make_picture(f, s, a, &images[n]) : finish_picture(o, s, f, &images[n]);
         layers[n] = (ExrLayer){ a ? aov_layer(a, names[n], EXR_NAME) : "",
                                 a ? aov_channels(a) : "RGB", &images[n] };
         n += ok;

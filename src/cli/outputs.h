@@ -2,6 +2,7 @@
 #ifndef CLI_OUTPUTS_H
 #define CLI_OUTPUTS_H
 
+#include "cli/denoising.h"
 #include "render/render.h"
 
 /* Files to write and how; borrowed. */
@@ -9,8 +10,11 @@ typedef struct {
     const char *pictures[OUTPUTS_MAX];
     int     n;
     Display display;
+    Denoising denoising;        /* of the pictures, not of the extra ones */
 } Outputs;
 
+/* Adds the extra pictures, without files, that the filters are guided by. */
+void outputs_prepare(const Outputs *o, RenderSettings *s);
 /* Whether all could be written, asked before the hours of rendering. False: reported. */
 bool outputs_possible(const Outputs *o, const RenderSettings *s);
 /* Writes all, each of them even if others fail. What goes to one .exr file are its layers. False:

@@ -1,8 +1,6 @@
 /* format.c -- sizes and display bytes. See format.h. */
 #include "image/format.h"
 
-#include <float.h>
-
 bool image_size_fits(Place at, int64_t w, int64_t h, uint64_t max_pixels)
 {
     if (w < 1 || h < 1)
@@ -26,13 +24,15 @@ void sample_table(float *table, unsigned most, Encoding encoding)
         table[v] = sample_decode((float)v / (float)most, encoding);
 }
 
-void quantiser_init(Quantiser *q, const Display *display)
+bool quantiser_init(Quantiser *q, const Display *display, const Image *im)
 {
-    q->tonemap = display ? display->tonemap : NULL;
-    q->gain = display ? m_pow(2.0f, display->exposure) : 1.0f;
+    q->dither = display && display->dither;
     for (int b = 0; b < 256; b++)
         q->from[b] = srgb_decode(((float)b - 0.5f) / 255.0f);
+    return tone_init(&q->tone, display, im);
 }
+
+void quantiser_clear(Quantiser *q) { tone_clear(&q->tone); }
 
 /* The largest b with from[b] <= x, by halving. */
 static unsigned char byte_of(const float from[256], float x)
@@ -44,18 +44,25 @@ static unsigned char byte_of(const float from[256], float x)
     return (unsigned char)b;
 }
 
-/* Tone maps are promised finite numbers that are not negative. */
-static float usable(float x) { return x > 0.0f ? f_min(x, FLT_MAX) : 0.0f; }
-
-void quantiser_row(const Quantiser *q, const Rgb *row, size_t n, unsigned char *bytes)
+/* In [0,1), evenly spread over the pixels of any neighbourhood: [Roberts18]'s sequence of two
+ * dimensions, whose steps are here along x and along y, in units of 2^-32. */
+static float threshold_at(uint32_t x, uint32_t y)
 {
-    for (size_t i = 0; i < n; i++) {
-        Rgb c = rgb(usable(row[i].r * q->gain), usable(row[i].g * q->gain),
-                    usable(row[i].b * q->gain));
-        if (q->tonemap)
-            c = q->tonemap->map(c);
-        bytes[3 * i] = byte_of(q->from, c.r);
-        bytes[3 * i + 1] = byte_of(q->from, c.g);
-        bytes[3 * i + 2] = byte_of(q->from, c.b);
+    return (float)((x * 3242174889u + y * 2447445414u) >> 8) * 0x1p-24f;
+}
+
+static unsigned char dithered(float x, float threshold)
+{
+    return (unsigned char)f_min(255.0f, floorf(srgb_encode(x) * 255.0f + threshold));
+}
+
+void quantiser_row(const Quantiser *q, uint32_t y, unsigned char *bytes)
+{
+    for (uint32_t x = 0; x < q->tone.im->w; x++, bytes += 3) {
+        Rgb c = tone_pixel(&q->tone, (size_t)y * q->tone.im->w + x);
+        float t = threshold_at(x, y);
+        bytes[0] = q->dither ? dithered(c.r, t) : byte_of(q->from, c.r);
+        bytes[1] = q->dither ? dithered(c.g, t) : byte_of(q->from, c.g);
+        bytes[2] = q->dither ? dithered(c.b, t) : byte_of(q->from, c.b);
     }
 }

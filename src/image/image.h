@@ -24,20 +24,21 @@ static inline Rgb *image_at(const Image *im, uint32_t x, uint32_t y)
     return im->pixels + (size_t)y * im->w + x;
 }
 
-/* How display formats (png, ppm) get their bytes: v = tonemap(2^exposure * linear), then the sRGB
- * curve, rounded. tonemap NULL: clamp. Formats that hold floats store the linear values. */
+/* How display formats (png, ppm) get their bytes: v = tonemap(2^exposure * meter * linear), then
+ * the sRGB curve, rounded, or up and down by a pattern of places whose mean is right. NULL: no
+ * curve but the cut at 1; no meter. Formats that hold floats store the linear values. Options
+ * without a table are the defaults. */
 typedef struct ToneMap ToneMap;
+typedef struct LightMeter LightMeter;
 typedef struct {
-    const ToneMap *tonemap;
-    float exposure;
+    const ToneMap *tonemap;  Opts tonemap_opts;
+    const LightMeter *meter; Opts meter_opts;           /* exposure by the picture itself */
+    float exposure;                                     /* stops */
+    bool  dither;
     bool  uncompressed;                                 /* of formats that may be either (exr) */
 } Display;
-
-struct ToneMap {
-    KindInfo info;
-    Rgb (*map)(Rgb linear);                             /* non-negative linear to [0,1] */
-};
-extern const ToneMap *const tonemaps[];                 /* ends with NULL */
+extern const ToneMap *const tonemaps[];                 /* ends with NULL; see tonemap.h */
+extern const LightMeter *const meters[];                   /* ends with NULL */
 
 /* How the samples of display formats, in [0,1], become linear when they are read: by the sRGB curve
  * if below 0, by what the file says (sRGB if it says nothing) if 0, else x^encoding, where 1 is

@@ -47,16 +47,14 @@ static void put_row(const unsigned char *row, const unsigned char *above, size_t
 }
 
 /* All rows, filtered, into out[h * (3 w + 1)]. rows: room for three of them, zeroed. */
-static void put_rows(const Image *im, const Display *display, unsigned char *rows,
-                     unsigned char *out)
+static void put_rows(const Quantiser *q, unsigned char *rows, unsigned char *out)
 {
+    const Image *im = q->tone.im;
     size_t n = (size_t)im->w * CHANNELS;
     unsigned char *row = rows, *above = rows + n, *trial = rows + 2 * n, *swap;
-    Quantiser q;
 
-    quantiser_init(&q, display);
     for (uint32_t y = 0; y < im->h; y++, out += n + 1) {
-        quantiser_row(&q, image_at(im, 0, y), im->w, row);
+        quantiser_row(q, y, row);
         put_row(row, above, n, trial, out);
         swap = above;
         above = row;
@@ -69,12 +67,16 @@ static bool pack(const Image *im, const Display *display, unsigned char **packed
 {
     size_t row = (size_t)im->w * CHANNELS;
     unsigned char *rows = mem_array(row, 3), *all = rows ? mem_array(im->h, row + 1) : NULL;
+    Quantiser q;
+    bool ok = all && quantiser_init(&q, display, im);
 
     *packed = NULL;
-    if (all)
-        put_rows(im, display, rows, all);
+    if (ok) {
+        put_rows(&q, rows, all);
+        quantiser_clear(&q);
+    }
     mem_free(rows);
-    if (all)
+    if (ok)
         zlib_compress(all, im->h * (row + 1), packed, n);
     mem_free(all);
     return *packed != NULL;

@@ -144,27 +144,36 @@ static bool read_ppm(Image *im, const char *path, const unsigned char *bytes, si
     return false;
 }
 
-static bool write_ppm(const Image *im, const char *path, const Display *display)
+static void put_picture(Out *o, const Quantiser *q, unsigned char *row)
 {
-    Quantiser q;
+    const Image *im = q->tone.im;
     char header[64];
-    unsigned char *row = MEM_ARRAY(unsigned char, (size_t)im->w * 3);
-    Out *o = row ? out_open(path) : NULL;
 
-    if (!o) {
-        mem_free(row);
-        return false;
-    }
-    quantiser_init(&q, display);
     snprintf(header, sizeof header, "P6\n%lu %lu\n255\n", (unsigned long)im->w,
              (unsigned long)im->h);
     out_text(o, header);
     for (uint32_t y = 0; y < im->h; y++) {
-        quantiser_row(&q, image_at(im, 0, y), im->w, row);
+        quantiser_row(q, y, row);
         out_write(o, row, (size_t)im->w * 3);
     }
+}
+
+static bool write_ppm(const Image *im, const char *path, const Display *display)
+{
+    Quantiser q;
+    unsigned char *row = MEM_ARRAY(unsigned char, (size_t)im->w * 3);
+    Out *o;
+
+    if (!row || !quantiser_init(&q, display, im)) {
+        mem_free(row);
+        return false;
+    }
+    o = out_open(path);
+    if (o)
+        put_picture(o, &q, row);
+    quantiser_clear(&q);
     mem_free(row);
-    return out_close(o);
+    return o && out_close(o);
 }
 
 const ImageFormat image_format_ppm = {

@@ -53,5 +53,5 @@ const IntegratorKind integrator_bdpt = {
               "paths from the lamps and from the eye, connected in all ways", options },
     .truth = UNBIASED, .misses = "point and distant lights seen through delta surfaces; light that "
                                  "media scatter",
-    .splats = true, .open = open_bdpt, .close = close_bdpt, .radiance = radiance
+    .splats = true, .singles = true, .open = open_bdpt, .close = close_bdpt, .radiance = radiance
 };

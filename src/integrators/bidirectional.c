@@ -6,6 +6,12 @@
 
 #include <string.h>
 
+static void tally_radius(Tracer *t, int i, Rgb c)
+{
+    if (t->tally)
+        t->tally->radius[i] = rgb_add(t->tally->radius[i], c);
+}
+
 /* ---- densities of lamps ---- */
 
 static bool from_beyond(const Light *l)
@@ -119,28 +125,48 @@ static bool scatter(const Bidirectional *b, Particle *p, const Vertex *v, Odds *
     return particle_turns(p, v, &s, local) && particle_survives(p, b->roulette, t);
 }
 
-/* Shows it to the lens: c->we / c->pdf_w |cos| is the density per area with which the eye's rays
- * find the vertex, over that of the place on the lens. */
+/* The same for those who want to know more than the picture. */
+static void show_beside(const Bidirectional *b, const CameraSample *c, int edges, Rivals r,
+                        float weight, Rgb seen, Tracer *t)
+{
+    const Canvas *k = t->canvas;
+
+    tracer_technique(t, edges, 1, weight, seen);
+    if (!k)
+        return;
+    if (edges < TALLY_LENGTHS)
+        tracer_splat_beside(t, c->pixel, k->bare[edges], seen);
+    for (int i = 0; i < b->radii; i++)
+        tracer_splat_beside(t, c->pixel, k->radius[i],
+                            rgb_scale(seen, rivals_connected(r, &b->techniques, b->by[i].eta)));
+}
+
+/* Shows it to the lens: c.we / c.pdf_w |cos| is the density per area with which the eye's rays find
+ * the vertex, over that of the place on the lens. */
 static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
 {
     const Techniques *q = &b->techniques;
     const Vertex *v = &y->v;
+    Rivals r = { 0.0f, 0.0f };
     CameraSample c;
-    float weight = 1.0f;
-    Rgb sent;
+    float weight;
+    Rgb seen;
     V3 local;
 
     if (!lens_from(v->s.p, v->s.time, y->edges, t, &c) || !vertex_local(v, c.wi, &local))
         return;
-    sent = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
-    if (rgb_black(sent))
+    seen = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
+    if (rgb_black(seen))
+        return;
+    seen = lens_sees(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium), seen, t);
+    if (rgb_black(seen))
         return;
     if (b->joins == JOINS_ALL)
-        weight = odds_weight(raised(q, c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths) *
-                             odds_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first));
-    sent = lens_shows(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium), rgb_scale(sent, weight),
-                      y->edges + 1, t);
-    tracer_technique(t, y->edges + 1, 1, weight, sent);
+        r = rivals_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first,
+                      c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths);
+    weight = rivals_connected(r, q, q->eta);
+    tracer_splat(t, c.pixel, y->edges + 1, STRATEGY_LENS, rgb_scale(seen, weight));
+    show_beside(b, &c, y->edges + 1, r, weight, seen, t);
 }
 
 int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, Tracer *t)
@@ -149,18 +175,19 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
     Particle p;
     Odds odds;
     V3 from;
-    int n = 0;
+    int n = 0, most = t->only && t->only->light < b->maxdepth ? t->only->light : b->maxdepth;
 
     t->shots++;
-    if (!leave(b, &p, time, &start, &odds, t))
+    if (most == 0 || !leave(b, &p, time, &start, &odds, t))
         return 0;
     from = start.e.p;
-    while (p.depth < b->maxdepth) {
+    while (p.depth < most) {
         LightVertex *y = &path[n];
         if (!arrive(b, &p, &start, &from, &odds, y, t))
             break;
         if (vertex_is_smooth(&y->v)) {
-            if (b->techniques.connects || b->joins == JOINS_LENS)
+            if ((b->techniques.connects || b->joins == JOINS_LENS) &&
+                tracer_makes(t, 0, y->edges, false))
                 show(b, y, t);
             n++;
         }
@@ -193,36 +220,48 @@ static Eye eye_begin(const Bidirectional *b, const Ray *r)
     return e;
 }
 
-/* Weight of having met the lamp; cosine: at the lamp, 1 if it is beyond the scene. */
-static float implicit_weight(const Bidirectional *b, const Eye *e, const Light *l,
-                             const Surface *hit, float cosine)
+/* c, which a technique brings without its weight, as it counts: of so many vertices from the lamp. */
+static Rgb weighed(const Bidirectional *b, const Eye *e, Rivals r, Rgb c, int vertices, Tracer *t)
+{
+    static const Strategy strategy[] = { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_CONNECT };
+    float weight = rivals_connected(r, &b->techniques, b->techniques.eta);
+    Rgb counts = rgb_scale(c, weight);
+
+    if (LIKELY(!t->tally))
+        return counts;
+    tracer_tally(t, e->beam.depth + 1 + vertices, strategy[vertices < 2 ? vertices : 2], counts);
+    tracer_technique(t, vertices, e->beam.depth + 2, weight, c);
+    for (int i = 0; i < b->radii; i++)
+        tally_radius(t, i, rgb_scale(c, rivals_connected(r, &b->techniques, b->by[i].eta)));
+    return counts;
+}
+
+/* Of having met the lamp; cosine: at the lamp, 1 if it is beyond the scene. */
+static Rivals rivals_of_meeting(const Bidirectional *b, const Eye *e, const Light *l,
+                                const Surface *hit, float cosine)
 {
     const Techniques *q = &b->techniques;
     V3 d = e->beam.ray.d;
-    float others;
+    float sent;
+    Rivals r;
 
     if (e->beam.depth == 0 || b->joins != JOINS_ALL)
-        return 1.0f;
-    others = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f) *
-             (e->odds.early + raised(q, q->eta) * e->odds.merged);
+        return (Rivals){ 0.0f, 0.0f };
+    sent = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f);
+    r = (Rivals){ sent * e->odds.early, sent * e->odds.merged };
     if (e->odds.last > 0.0f)
-        others += raised(q, asked_pdf(b, l, e->p, e->up, d, hit)) * e->odds.last;
-    return odds_weight(others);
+        r.connect += raised(q, asked_pdf(b, l, e->p, e->up, d, hit)) * e->odds.last;
+    return r;
 }
 
 static Rgb implicit_light(const Bidirectional *b, const Eye *e, const Light *l, const Surface *hit,
                           float cosine, Tracer *t)
 {
     Rgb c = rgb_mul(e->beam.throughput, l->kind->radiance(l, e->beam.ray.d, hit));
-    float weight;
 
-    if (rgb_black(c))
-        return c;
-    weight = implicit_weight(b, e, l, hit, cosine);
-    c = rgb_scale(c, weight);
-    tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
-    tracer_technique(t, 0, e->beam.depth + 2, weight, c);
-    return c;
+    if (rgb_black(c) || !tracer_makes(t, e->beam.depth + 1, 0, true))
+        return rgb_all(0.0f);
+    return weighed(b, e, rivals_of_meeting(b, e, l, hit, cosine), c, 0, t);
 }
 
 static Rgb implicit_sky(const Bidirectional *b, const Eye *e, Tracer *t)
@@ -264,9 +303,10 @@ static bool merges_here(const Bidirectional *b, const Eye *e)
 /* What brings little beside what the sample has found is worth a ray by chance only: c then stands
  * for those that were left out. The chance looks at what is known before the ray, so the mean is
  * what it was. False: no ray. [Cline07 7.9.2] */
-static bool tries(const Bidirectional *b, const Eye *e, int vertices, Rgb *c, Tracer *t)
+static bool tries(const Bidirectional *b, const Eye *e, float weight, int vertices, Rgb *c,
+                  Tracer *t)
 {
-    float least = b->little * e->found, brings = rgb_max(*c);
+    float least = b->little * e->found, brings = rgb_max(*c) * weight;
 
     if (brings >= least)
         return true;
@@ -277,38 +317,34 @@ static bool tries(const Bidirectional *b, const Eye *e, int vertices, Rgb *c, Tr
     return true;
 }
 
-/* c times the weight, by an edge to the last of so many vertices from the lamp, if nothing stands in
+/* c as it counts, by an edge to the last of so many vertices from the lamp, if nothing stands in
  * the way. */
-static Rgb join(const Bidirectional *b, Eye *e, const Vertex *z, const LightSample *to, Rgb c,
-                float weight, int vertices, Tracer *t)
+static Rgb join(const Bidirectional *b, Eye *e, const Vertex *z, const LightSample *to, Rivals r,
+                Rgb c, int vertices, Tracer *t)
 {
-    Ray r;
+    Ray ray;
 
-    c = rgb_scale(c, weight);
-    if (!tries(b, e, vertices, &c, t))
+    if (!tries(b, e, rivals_connected(r, &b->techniques, b->techniques.eta), vertices, &c, t))
         return rgb_all(0.0f);
-    r = shadow_ray(&z->s, to);
-    if (!tracer_passes(t, &r, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
+    ray = shadow_ray(&z->s, to);
+    if (!tracer_passes(t, &ray, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
         return rgb_all(0.0f);
-    tracer_tally(t, e->beam.depth + 1 + vertices,
-                 vertices > 1 ? STRATEGY_CONNECT : STRATEGY_EXPLICIT, c);
-    tracer_technique(t, vertices, e->beam.depth + 2, weight, c);
+    c = weighed(b, e, r, c, vertices, t);
     e->found += rgb_max(c);
     return c;
 }
 
 static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
 {
-    const Techniques *q = &b->techniques;
     float u = b->scene->nlights > 1 ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth))
                                     : 0.0f;
-    float pmf, left, pdf, d2, others;
+    float pmf, left, pdf, d2;
     V3 up = vertex_up(z);
     const Light *l = b->asked->kind->pick(b->asked, z->s.p, up, u, &pmf, &left);
     LightSample ls;
     Surface there;
+    Rivals r;
     Seen s;
-    Rgb c;
 
     if (!l || !light_sample(l, b->beside, z->s.p,
                             sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
@@ -317,13 +353,13 @@ static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
     there = surface_at(ls.p, ls.err, ls.n, (V2){ 0, 0 });
     pdf = pmf * ls.pdf_w;
     d2 = from_beyond(l) ? 1.0f : ls.dist * ls.dist;
-    others = raised(q, sent_pdf(b, l, &there, v_neg(ls.wi)) * s.cosine /
-                       (d2 * per_area(l, pdf, ls.n, ls.wi, d2))) *
-             odds_at(&e->odds, q, s.back, merges_here(b, e));
+    r = rivals_at(&e->odds, &b->techniques, s.back, merges_here(b, e),
+                  sent_pdf(b, l, &there, v_neg(ls.wi)) * s.cosine /
+                      (d2 * per_area(l, pdf, ls.n, ls.wi, d2)));
     if (!l->kind->delta)
-        others += raised(q, s.forth / pdf);
-    c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), 1.0f / pdf);
-    return join(b, e, z, &ls, c, odds_weight(others), 1, t);
+        r.connect += raised(&b->techniques, s.forth / pdf);
+    return join(b, e, z, &ls, r,
+                rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, s.f_cos), ls.L), 1.0f / pdf), 1, t);
 }
 
 static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *y,
@@ -331,8 +367,9 @@ static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightV
 {
     const Techniques *q = &b->techniques;
     V3 way = v_sub(y->v.s.p, z->s.p), wi, local;
-    float d2 = v_dot(way, way), others, cosine;
+    float d2 = v_dot(way, way);
     LightSample to;
+    Rivals r;
     Seen s;
     Rgb c;
 
@@ -345,49 +382,51 @@ static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightV
                 rgb_mul(y->flux, vertex_f_cos_of_light(&y->v, v_neg(wi), local)));
     if (rgb_black(c))
         return c;
-    cosine = v_absdot(y->v.s.ng, wi);
-    others = raised(q, s.forth * cosine / d2) *
-                 odds_at(&y->odds, q, y->v.b->kind->pdf_w(y->v.b, local, y->v.wo), true) +
-             raised(q, vertex_pdf_w(&y->v, local) * s.cosine / d2) *
-                 odds_at(&e->odds, q, s.back, merges_here(b, e));
+    r = rivals_add(rivals_at(&y->odds, q, y->v.b->kind->pdf_w(y->v.b, local, y->v.wo), true,
+                             s.forth * v_absdot(y->v.s.ng, wi) / d2),
+                   rivals_at(&e->odds, q, s.back, merges_here(b, e),
+                             vertex_pdf_w(&y->v, local) * s.cosine / d2));
     to = (LightSample){ .wi = wi, .dist = sqrtf(d2), .p = y->v.s.p, .err = y->v.s.err,
                         .n = y->v.s.ng };
-    return join(b, e, z, &to, rgb_scale(c, 1.0f / d2), odds_weight(others), y->edges + 1, t);
+    return join(b, e, z, &to, r, rgb_scale(c, 1.0f / d2), y->edges + 1, t);
 }
 
 enum { GATHERED = 16 };
 
-/* What of the light path's vertex goes to the eye, without its density; c is 0 where nothing. */
-static Rgb merge(const Bidirectional *b, const Eye *e, const Vertex *z, const KeptVertex *k)
+/* What of the light path's vertex goes to the eye, without weight and density, and the techniques
+ * beside. False: nothing. */
+static bool merge(const Bidirectional *b, const Eye *e, const Vertex *z, const KeptVertex *k,
+                  Rgb *c, Rivals *r)
 {
     const Techniques *q = &b->techniques;
     V3 wi = v_neg(kept_way(k)), local;
-    Rgb c;
 
-    if (!vertex_local(z, wi, &local))
-        return rgb_all(0.0f);
-    c = rgb_mul(z->b->kind->eval(z->b, z->wo, local, false),
-                rgb(k->flux[0], k->flux[1], k->flux[2]));
-    if (rgb_black(c))
-        return c;
+    if ((int)k->edges + e->beam.depth > b->maxdepth || !vertex_local(z, wi, &local))
+        return false;
+    *c = rgb_mul(z->b->kind->eval(z->b, z->wo, local, false),
+                 rgb(k->flux[0], k->flux[1], k->flux[2]));
+    if (rgb_black(*c))
+        return false;
+    *c = rgb_scale(rgb_mul(e->beam.throughput, *c), fabsf(local.z) / v_absdot(wi, z->s.ng));
+    *r = (Rivals){ 0.0f, 0.0f };
     if (b->joins == JOINS_ALL)
-        c = rgb_scale(c, odds_weight((odds_before(&k->odds, q, vertex_pdf_w(z, local)) +
-                                      odds_before(&e->odds, q,
-                                                  z->b->kind->pdf_w(z->b, local, z->wo))) /
-                                     raised(q, q->eta)));
-    return rgb_scale(c, fabsf(local.z) / v_absdot(wi, z->s.ng));
+        *r = rivals_add(rivals_before(&k->odds, q, vertex_pdf_w(z, local)),
+                        rivals_before(&e->odds, q, z->b->kind->pdf_w(z->b, local, z->wo)));
+    return true;
 }
 
-/* The next of those that are near enough, sent for before they are looked at. Returns how many. */
-static int gather(const Bidirectional *b, PointWalk *w, const KeptVertex *k[GATHERED])
+/* A vertex of a light path that is near: the place, and the rest sent for. */
+typedef struct { const KeptVertex *k; float d2; } Near;
+
+static int gather(const Bidirectional *b, PointWalk *w, Near near[GATHERED])
 {
     const PlacedPoint *found;
     float d2;
     int n = 0;
 
     while (n < GATHERED && (found = pointgrid_next(w, &d2))) {
-        k[n] = arrivals_record(&b->store->arrivals, found->id);
-        PREFETCH(k[n]);
+        near[n] = (Near){ arrivals_record(&b->store->arrivals, found->id), d2 };
+        PREFETCH(near[n].k);
         n++;
     }
     return n;
@@ -395,18 +434,24 @@ static int gather(const Bidirectional *b, PointWalk *w, const KeptVertex *k[GATH
 
 static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, PointWalk *w, Tracer *t)
 {
-    Rgb scale = rgb_scale(e->beam.throughput, 1.0f / b->techniques.eta), sum = rgb_all(0.0f);
-    const KeptVertex *k[GATHERED];
+    const Techniques *q = &b->techniques;
+    Rgb sum = rgb_all(0.0f);
+    Near near[GATHERED];
     int n;
 
-    while ((n = gather(b, w, k)))
+    while ((n = gather(b, w, near)))
         for (int i = 0; i < n; i++) {
-            Rgb c;
-            if ((int)k[i]->edges + e->beam.depth > b->maxdepth)
+            Rgb c, counts;
+            Rivals r;
+            if (!merge(b, e, z, near[i].k, &c, &r))
                 continue;
-            c = rgb_mul(scale, merge(b, e, z, k[i]));
-            tracer_tally(t, (int)k[i]->edges + e->beam.depth + 1, STRATEGY_MERGE, c);
-            sum = rgb_add(sum, c);
+            counts = rgb_scale(c, rivals_merged(r, q, q->eta) / q->eta);
+            tracer_tally(t, (int)near[i].k->edges + e->beam.depth + 1, STRATEGY_MERGE, counts);
+            for (int j = 0; j < b->radii; j++)
+                if (near[i].d2 < b->by[j].radius * b->by[j].radius)
+                    tally_radius(t, j, rgb_scale(c, rivals_merged(r, q, b->by[j].eta) /
+                                                    b->by[j].eta));
+            sum = rgb_add(sum, counts);
         }
     return sum;
 }
@@ -414,10 +459,13 @@ static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Poin
 static Rgb connect_all(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path,
                        int n, Tracer *t)
 {
-    Rgb sum = ask(b, e, z, t);
+    Rgb sum = rgb_all(0.0f);
 
+    if (tracer_makes(t, e->beam.depth + 1, 0, false))
+        sum = ask(b, e, z, t);
     for (int i = 0; i < n && e->beam.depth + 1 + path[i].edges <= b->maxdepth; i++)
-        sum = rgb_add(sum, connect(b, e, z, &path[i], t));
+        if (tracer_makes(t, e->beam.depth + 1, path[i].edges, false))
+            sum = rgb_add(sum, connect(b, e, z, &path[i], t));
     return sum;
 }
 
@@ -465,6 +513,8 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
     Eye e = eye_begin(b, r);
     Rgb sum = rgb_all(0.0f);
 
+    if (t->only && t->only->eye == 0)
+        return sum;
     for (;;) {
         Vertex z;
         float cosine, d2;
@@ -483,7 +533,7 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
         vertex_make(&z, b->scene, e.beam.ray.d);
         if (vertex_is_smooth(&z))
             sum = rgb_add(sum, join_all(b, &e, &z, path, n, t));
-        if (!go_on(b, &e, &z, t))
+        if ((t->only && e.beam.depth + 1 >= t->only->eye) || !go_on(b, &e, &z, t))
             return sum;
     }
 }

@@ -56,6 +56,8 @@ typedef struct {
     float paths;                /* of light, for each of the eye's that a whole picture has */
     float little;               /* see tries() */
     const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
+    int   radii;                /* pictures by as many radii, the first of them the picture's: */
+    struct { float radius, eta; } by[TALLY_RADII];
 } Bidirectional;
 
 /* Of a zeroed *b, by the options below. False: reported, not cleared. */

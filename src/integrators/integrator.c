@@ -17,11 +17,11 @@
     X(ppm)                      /* photons gathered where eye paths end */     \
     X(sppm)                     /* the same, eye paths anew each time */       \
     X(irradiancecache)          /* indirect light interpolated */              \
+    X(radiancecache)            /* the same for glossy surfaces */             \
     X(bdpt)                     /* paths from both ends, connected */          \
     X(bpm)                      /* the same, merged */                         \
     X(vcm)                      /* both */                                     \
     X(pssmlt)                   /* chains of the numbers paths are made of */  \
-    X(radiancecache)            /* the same for glossy surfaces */             \
     X(mlt)                      /* chains of paths */                          \
     X(erpt)                     /* samples spread by such chains */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;

@@ -36,12 +36,14 @@ typedef enum {
 } Strategy;
 extern const char *const strategy_names[STRATEGIES];
 enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
+enum { TALLY_RADII = 8 };
 typedef struct {
     Rgb length[TALLY_LENGTHS];
     Rgb strategy[STRATEGIES];
     /* of methods that join two paths, by the number of vertices that came from the lamp and from
      * the eye: as it counts, and without its weight */
     struct { Rgb weighed, bare; } technique[TALLY_LENGTHS][TALLY_LENGTHS];
+    Rgb radius[TALLY_RADII];            /* of methods that merge by several radii at once */
 } Tally;
 
 /* Where splats go. */
@@ -49,6 +51,8 @@ typedef struct {
     Film *film;
     const Filter *filter;
     uint32_t layers[TALLY_LENGTHS][STRATEGIES]; /* of the film, a bit each, for such paths */
+    uint32_t bare[TALLY_LENGTHS];       /* for what is shown to the lens, without its weight */
+    uint32_t radius[TALLY_RADII];       /* for the same as it counts with that radius */
 } Canvas;
 
 INLINE float canvas_pixels(const Canvas *k)             /* of the whole picture */
@@ -70,6 +74,10 @@ typedef struct {
     float area;                 /* which counts so much there */
 } SplatList;
 
+/* A way of making paths: so many edges from the eye, so many from a lamp; between the two another,
+ * unless it is the eye's path that meets the lamp. */
+typedef struct { int eye, light; bool met; } Technique;
+
 /* One worker's tools. */
 typedef struct {
     const Scene *scene;         /* borrowed */
@@ -80,6 +88,7 @@ typedef struct {
     SplatList *held;            /* borrowed; not NULL: splats go there instead */
     float    spread;            /* angle between the rays of neighbouring pixels, radians */
     Tally   *tally;             /* borrowed, or NULL: nobody wants it */
+    const Technique *only;      /* borrowed; not NULL: all other paths are left out */
     uint32_t x, y;              /* the pixel of the camera sample */
     bool     kept;              /* which the film takes: then no other worker is in its tile */
     float    moment;            /* time of all rays of the pass, if these have a `moment` */
@@ -128,6 +137,12 @@ INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
     return r;
 }
 
+INLINE bool tracer_makes(const Tracer *t, int eye, int light, bool met)
+{
+    const Technique *q = t->only;
+    return LIKELY(!q) || (q->eye == eye && q->light == light && q->met == met);
+}
+
 /* Keeps back what a path of `edges` edges, found by `how`, brings to the place; where memory runs
  * out, the tracer has failed. */
 void tracer_holds(Tracer *t, V2 place, int edges, Strategy how, Rgb c);
@@ -152,15 +167,14 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
         tracer_holds(t, t->held->place, edges, how, rgb_scale(c, t->held->area));
 }
 
-/* A path of so many vertices from the lamp and from the eye, longer ones not, brings c, which has
- * been weighed by `weight`. */
+/* A path of so many vertices from the lamp and from the eye brings c, times the weight. */
 INLINE void tracer_technique(Tracer *t, int lamp, int eye, float weight, Rgb c)
 {
-    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS || !(weight > 0.0f))
+    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS)
         return;
-    t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed, c);
-    t->tally->technique[lamp][eye].bare = rgb_add(t->tally->technique[lamp][eye].bare,
-                                                  rgb_scale(c, 1.0f / weight));
+    t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed,
+                                                     rgb_scale(c, weight));
+    t->tally->technique[lamp][eye].bare = rgb_add(t->tally->technique[lamp][eye].bare, c);
 }
 
 /* A path of `edges` edges, found by `how`, brings c to the place, in pixels: the measurement that
@@ -176,6 +190,14 @@ INLINE void tracer_splat(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
     else
         film_splat(k->film, k->filter, place, canvas_layers(k, edges, how),
                    rgb_scale(c, canvas_pixels(k)));
+}
+/* The same into layers of the film alone that are no part of the picture. */
+INLINE void tracer_splat_beside(Tracer *t, V2 place, uint32_t layers, Rgb c)
+{
+    const Canvas *k = t->canvas;
+
+    if (layers && !t->held)
+        film_splat(k->film, k->filter, place, layers, rgb_scale(c, canvas_pixels(k)));
 }
 
 /* What the mean of a method's pictures is, as samples and as passes go to infinity. */
@@ -208,6 +230,7 @@ typedef struct {
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
     /* Tracers have a canvas. Whoever splats counts shots, too. */
     bool splats;
+    bool singles;               /* it can make paths by one technique alone, Tracer.only */
 
     /* Phases 0 .. phases-1 of units(...) units each; all units of a phase end before the next
      * begins. What a unit adds to the film must not depend on the order. They are run once, pass

@@ -19,19 +19,22 @@ INLINE bool lens_from(V3 p, float time, int at, Tracer *t, CameraSample *c)
     return camera->kind->sample(camera, p, u, time, c);
 }
 
-/* Shows the lens what goes to it from the point with this F f* |cos|, by a path of so many edges,
- * unless anything stands in the way. Returns what is seen. */
-INLINE Rgb lens_shows(const CameraSample *c, const Surface *from, uint32_t medium, Rgb flux,
-                       int edges, Tracer *t)
+/* What the lens sees of F f* |cos| at the point, unless anything stands in the way. */
+INLINE Rgb lens_sees(const CameraSample *c, const Surface *from, uint32_t medium, Rgb flux,
+                     Tracer *t)
 {
     LightSample to = { .wi = c->wi, .dist = c->dist, .p = c->p };
     Ray r = shadow_ray(from, &to);
     Rgb sent = rgb_scale(flux, c->we / c->pdf_w);
 
-    if (rgb_black(sent) || !tracer_passes(t, &r, medium, &sent))
-        return rgb_all(0.0f);
-    tracer_splat(t, c->pixel, edges, STRATEGY_LENS, sent);
-    return sent;
+    return !rgb_black(sent) && tracer_passes(t, &r, medium, &sent) ? sent : rgb_all(0.0f);
+}
+
+/* Shows it, by a path of so many edges. */
+INLINE void lens_shows(const CameraSample *c, const Surface *from, uint32_t medium, Rgb flux,
+                       int edges, Tracer *t)
+{
+    tracer_splat(t, c->pixel, edges, STRATEGY_LENS, lens_sees(c, from, medium, flux, t));
 }
 
 #endif

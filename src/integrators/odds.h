@@ -85,23 +85,45 @@ INLINE void odds_turn(Odds *o, const Techniques *q, float cosine)
     o->last = 0.0f;
 }
 
-/* Sum of all before the vertex, times the density per area with which its last vertex is met. */
-INLINE float odds_before(const Odds *o, const Techniques *q, float back)
+/* All other techniques of a path over the one at hand, q_j / q_s added up: those that connect, and
+ * those that merge, which eta^b is still to be multiplied to. */
+typedef struct { float connect, merge; } Rivals;
+
+/* Those before the vertex; back: density of going there, from the side that joins it. */
+INLINE Rivals rivals_before(const Odds *o, const Techniques *q, float back)
 {
-    return o->last + raised(q, back) * (o->early + raised(q, q->eta) * o->merged);
+    float in = raised(q, back);
+    return (Rivals){ o->last + in * o->early, in * o->merged };
 }
 
-/* The same with merging at the vertex itself. */
-INLINE float odds_at(const Odds *o, const Techniques *q, float back, bool merges)
+/* And at the vertex itself, by merging; all times the density per area of being found, `there`. */
+INLINE Rivals rivals_at(const Odds *o, const Techniques *q, float back, bool merges, float there)
 {
-    return odds_before(o, q, back) + (merges ? raised(q, q->eta) : 0.0f);
+    Rivals r = rivals_before(o, q, back);
+    float scale = raised(q, there);
+    return (Rivals){ scale * r.connect, scale * (r.merge + (float)merges) };
 }
 
-/* With the sum of all others. Sums without a bound times 0 are no number: then 0. */
+INLINE Rivals rivals_add(Rivals a, Rivals b)
+{
+    return (Rivals){ a.connect + b.connect, a.merge + b.merge };
+}
+
+/* 1 / (1 + all others). Sums without a bound times 0 are no number: then 0. */
 INLINE float odds_weight(float others)
 {
     float w = 1.0f / (1.0f + others);
     return w > 0.0f ? w : 0.0f;
+}
+
+/* The weight of a connection, and that of a merger. */
+INLINE float rivals_connected(Rivals r, const Techniques *q, float eta)
+{
+    return odds_weight(eta > 0.0f ? r.connect + raised(q, eta) * r.merge : r.connect);
+}
+INLINE float rivals_merged(Rivals r, const Techniques *q, float eta)
+{
+    return odds_weight(r.merge + r.connect / raised(q, eta));
 }
 
 #endif

@@ -207,7 +207,7 @@ static const OptDef options[] = {
       .help = "how indirect light is seen: by rays that look up photons where they end, or by "
               "those at the point itself" },
     PHOTONMAPS_OPTIONS(200000, 100000, "no indirect light"),
-    { .key = "gather", .type = OPT_INT, .num = 16, .lo = 1, .hi = 65536,
+    { .key = "gather", .type = OPT_INT, .num = 8, .lo = 1, .hi = 65536,
       .help = "view=gather: rays from each point" },
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
       .choices = "uniform brdf light mis ris twostage triple cut sir",

@@ -15,6 +15,9 @@
  *             sppm these belong to a pixel, wherever its paths end ("shared statistics").
  * First       radius: given, or such that it holds k photons of the first pass; k-1 of these are
  *             nearer than it, and that is the right number for its area.
+ * Corners     Photons count whatever the normal is where they are. In a corner those of the other
+ *             wall stand in for what is missing of the disc, and do so well: to ask for like
+ *             normals makes corners dark, and the error of 64 passes 1.2 to 1.7 times what it is.
  * Direct      light is found as `direct` does with strategy=mis: photons are those that have been
  *             scattered before.
  * Limits      For any number of passes the picture is blurred a little, by less with each. */

@@ -9,6 +9,11 @@
  *             probability that depends on nothing, are new samples. Both are symmetric (see
  *             primary.h), so what has to be known of the other method is nothing at all.
  * Weights     See chains.h.
+ * Techniques  A sample of bdpt makes paths in all ways that there are; or, with techniques=one, in
+ *             a single way, which is a number of the sample as well, and counts for all the others:
+ *             a length k with a probability in proportion to 1/k, one of the ways of making it with
+ *             equal ones. That is multiplexing as in [Hachisuka14], and far less work a step. In
+ *             small steps the way stays the same.
  * Direct      Light that was scattered once at most can be left to `path`, one sample a pixel and
  *             pass, which covers the picture evenly; chains then leave out what has so few edges,
  *             and spend their steps where they are needed. */
@@ -25,6 +30,7 @@ typedef struct {
     Integrator *over;           /* owned: makes the samples */
     Integrator *direct;         /* owned: shows what they leave out; NULL: nothing */
     PrimaryKernel kernel;
+    int  shortest, longest;     /* edges of paths made by one technique a sample; 0, 0: by all */
     bool tallies;               /* light is held as it is tallied, since some is left out */
     uint32_t x0, y0, w, h, full_w, full_h;      /* the film's window */
 } Pssmlt;
@@ -73,8 +79,9 @@ static bool is_looked_at(const Film *f, const Filter *by, V2 place)
 }
 
 /* Keeps of what was found what can be seen, and returns its brightness. What the film would refuse
- * is given to it at once, so that it is counted, and is no more: no chain will take to it. */
-static float brightness_of(SplatList *l, Tracer *t)
+ * is given to it at once, so that it is counted, and is no more: no chain will take to it. pmf: of
+ * having tried to find it. */
+static float brightness_of(SplatList *l, float pmf, Tracer *t)
 {
     Film *f = t->canvas->film;
     const Filter *by = t->canvas->filter;
@@ -84,6 +91,7 @@ static float brightness_of(SplatList *l, Tracer *t)
     l->n = 0;
     for (size_t i = 0; i < n; i++) {
         Splat s = l->splats[i];
+        s.c = rgb_scale(s.c, 1.0f / pmf);
         if (UNLIKELY(!film_takes(s.c)))
             film_splat(f, by, s.place, s.layers, s.c);
         else if (is_looked_at(f, by, s.place)) {
@@ -94,12 +102,31 @@ static float brightness_of(SplatList *l, Tracer *t)
     return sum > 0 ? (float)sum : 0.0f;
 }
 
+/* Chooses a technique; returns the probability of having done so. */
+static float choose_technique(const Pssmlt *it, float u, Technique *q)
+{
+    float sum = 0.0f, p, ways;
+    int k = it->shortest, i;
+
+    for (int n = it->shortest; n <= it->longest; n++)
+        sum += 1.0f / (float)n;
+    for (u *= sum; k < it->longest && u >= 1.0f / (float)k; k++)
+        u -= 1.0f / (float)k;
+    p = 1.0f / (float)k;
+    ways = k > 1 ? (float)k + 1.0f : 1.0f;              /* lamps in plain view are met only */
+    i = (int)f_min(u / p * ways, ways - 1.0f);
+    *q = i == k || k == 1 ? (Technique){ k, 0, true } : (Technique){ i, k - 1 - i, false };
+    return p / (sum * ways);
+}
+
 /* Makes the sample that the chain's sampler proposes, and keeps back what light it brings. Returns
  * its brightness. The tracer is as it was, but for the rays that were cast. */
 static float sample(const Pssmlt *it, Walk *w, Tracer *t)
 {
     SplatList *l = &w->light[!w->primary.now];
     Tracer was = *t;
+    Technique only;
+    float pmf = 1.0f;
     Tally tally;
     Ray r;
     Rgb seen;
@@ -110,6 +137,10 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     t->x = it->x0;
     t->y = it->y0;
     t->kept = false;
+    if (it->longest) {
+        pmf = choose_technique(it, sample_1d(&t->sampler, DECISION(DECIDE_TECHNIQUE, 0)), &only);
+        t->only = &only;
+    }
     l->place = place_of(it, t, &l->area);
     r = eye_ray(it->chains.base.scene, l->place, t);
     if (it->tallies)
@@ -121,7 +152,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     was.rays = t->rays;
     was.failed = t->failed;
     *t = was;
-    return brightness_of(l, t);
+    return brightness_of(l, pmf, t);
 }
 
 /* ---- what chains ask for ---- */
@@ -243,21 +274,36 @@ static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opt
     return other;
 }
 
-static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
+/* Whether its samples can be changed, as these options ask. False: reported. */
+static bool check_over(const IntegratorKind *k, const Opts *o)
 {
-    const char *name = opt_string(o, "over");
-    int maxdepth = (int)opt_int(o, "maxdepth");
-    const IntegratorKind *k = kind_find_at((Place){ NULL, 0, 0 }, integrators, "integrator", name);
-
     if (!k)
         return false;
     if (!k->radiance || k->phases)
-        return err_usage("pssmlt: over=%s is made of more than single samples", name);
+        return err_usage("pssmlt: over=%s is made of more than single samples", k->info.name);
+    return k->singles || opt_is(o, "techniques", "all") ||
+           err_usage("pssmlt: %s has no techniques to choose one of", k->info.name);
+}
+
+/* Only what finds all that `path` does, can leave some of it to that. */
+static bool open_over(Pssmlt *it, const Scene *s, const Opts *o)
+{
+    int maxdepth = (int)opt_int(o, "maxdepth");
+    const IntegratorKind *k = kind_find_at((Place){ NULL, 0, 0 }, integrators, "integrator",
+                                           opt_string(o, "over"));
+    bool apart = opt_bool(o, "direct") && k && k->truth == UNBIASED;
+
+    if (!check_over(k, o))
+        return false;
+    if (!opt_is(o, "techniques", "all")) {
+        it->shortest = apart ? DIRECT_EDGES + 1 : 1;
+        it->longest = maxdepth + 1 > it->shortest ? maxdepth + 1 : it->shortest;
+    }
     it->over = open_other(k, s, o, maxdepth);
-    if (it->over && opt_bool(o, "direct"))
+    if (it->over && apart)
         it->direct = open_other(kind_find(integrators, "path"), s, o,
                                 maxdepth < DIRECT_EDGES - 1 ? maxdepth : DIRECT_EDGES - 1);
-    return it->over && (it->direct || !opt_bool(o, "direct"));
+    return it->over && (it->direct || !apart);
 }
 
 static bool check_steps(const Opts *o)
@@ -287,8 +333,11 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
 static const OptDef options[] = {
     { .key = "over", .type = OPT_STRING, .str = "bdpt",
       .help = "the integrator whose samples are changed" },
+    { .key = "techniques", .type = OPT_CHOICE, .str = "all", .choices = "all one",
+      .help = "over=bdpt: ways of making paths that a sample tries" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
-      .help = "light scattered once at most is left to path, a sample for each pixel and pass" },
+      .help = "over unbiased methods: light scattered once at most is left to path, a sample for "
+              "each pixel and pass" },
     { .key = "large", .type = OPT_FLOAT, .num = 0.5, .lo = 0.001, .hi = 1,
       .help = "share of steps to new samples" },
     { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,

@@ -94,7 +94,7 @@ IrradianceRecord recordcache_make(const RecordCache *it, const Vertex *v, const 
       .help = "records say how the light changes when one turns or moves" },   \
     { .key = "overlap", .type = OPT_FLOAT, .num = 1.5, .lo = 1, .hi = 4,       \
       .help = "pixels use records so much further than where the overture wants a new one" }, \
-    { .key = "minspacing", .type = OPT_FLOAT, .num = 3, .lo = 0.01, .hi = 1e6, \
+    { .key = "minspacing", .type = OPT_FLOAT, .num = 6, .lo = 0.01, .hi = 1e6, \
       .help = "least reach of a record, pixels" },                             \
     { .key = "maxspacing", .type = OPT_FLOAT, .num = 64, .lo = 0.01, .hi = 1e6, \
       .help = "most reach of a record, pixels" },                              \

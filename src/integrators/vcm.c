@@ -30,8 +30,12 @@ static void begin_pass(Vcm *it, uint32_t pass)
     float r = it->radius * m_pow((float)pass + 1.0f, 0.5f * (it->alpha - 1.0f));
 
     it->store.radius = r;
-    it->both.techniques.eta = it->merges ? (float)((double)PI * r * r *
-                                                   (double)it->store.arrivals.paths) : 0.0f;
+    for (int k = 0; k < it->radii; k++, r *= 0.5f) {
+        it->both.by[k].radius = r;
+        it->both.by[k].eta = (float)((double)PI * r * r * (double)it->store.arrivals.paths);
+    }
+    it->both.techniques.eta = it->merges ? it->both.by[0].eta : 0.0f;
+    it->both.radii = it->merges ? it->radii : 0;
 }
 
 uint64_t vcm_units(Integrator *base, const Film *f, uint32_t pass, int phase)
@@ -86,6 +90,7 @@ Integrator *vcm_open(const char *name, const Scene *s, const Opts *o)
     if (it->radius == 0.0f)
         it->radius = opt_float(o, "share") * s->radius;
     it->alpha = opt_float(o, "alpha");
+    it->radii = (int)opt_int(o, "radii");
     it->multiple = (uint32_t)opt_int(o, "paths");
     it->both.store = &it->store;
     it->both.techniques.first = opt_bool(o, "first");

@@ -13,6 +13,7 @@
 #include "base/number.h"
 #include "base/text.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define AOVS(X) \
@@ -27,7 +28,10 @@
     X(DIRECT, "direct", "RGB", "light that was scattered once: paths of two edges") \
     X(INDIRECT, "indirect", "RGB", "light that was scattered more often: longer paths") \
     X(LENGTH, "length", "RGB", ":N; light by paths of N edges") \
-    X(STRATEGY, "strategy", "RGB", ":NAME; by implicit, explicit, lens or merged paths") \
+    X(STRATEGY, "strategy", "RGB", ":NAME; by implicit, explicit, lens, merge or connect") \
+    X(TECHNIQUE, "technique", "RGB", ":S,T; by paths of S vertices from a lamp, T from the eye") \
+    X(UNWEIGHTED, "unweighted", "RGB", ":S,T; the same as if no other technique could make them") \
+    X(RADIUS, "radius", "RGB", ":K; by the K-th of vcm's or bpm's radii") \
     X(EDGES, "edges", "Y", "mean edges of paths, each counted by its light") \
     X(VARIANCE, "variance", "RGB", "of a pixel's mean; :NAME of its emission, direct or indirect") \
     X(SAMPLES, "samples", "Y", "samples of each pixel")
@@ -65,7 +69,35 @@ static bool parse_strategy(Aov *a, const char *arg, size_t n)
             a->which = k;
             return true;
         }
-    return err_usage("--aov strategy:NAME takes implicit, explicit, lens or merge");
+    return err_usage("--aov strategy:NAME takes implicit, explicit, lens, merge or connect");
+}
+
+static bool parse_radius(Aov *a, const char *arg, size_t n)
+{
+    int64_t v;
+
+    if (!n || number_int(arg, arg + n, &v, NULL) != n || v < 1 || v > TALLY_RADII)
+        return err_usage("--aov radius:K takes K from 1 to %d", TALLY_RADII);
+    a->which = (int)v - 1;
+    return true;
+}
+
+/* At least one vertex is the eye's own, and lamps in plain view are met: so S + T > 1, T > 0, and
+ * 1,1 is none. */
+static bool parse_technique(Aov *a, const char *arg, size_t n)
+{
+    const char *comma = memchr(arg, ',', n), *end = arg + n;
+    int64_t s = 0, t = 0;
+    bool ok = comma && number_int(arg, comma, &s, NULL) == (size_t)(comma - arg) &&
+              comma + 1 < end && number_int(comma + 1, end, &t, NULL) == (size_t)(end - comma - 1);
+
+    if (!ok || s < 0 || t < 1 || s >= TALLY_LENGTHS || t >= TALLY_LENGTHS || s + t < 2 ||
+        (s == 1 && t == 1))
+        return err_usage("--aov %s:S,T takes vertices from the lamp, 0 to %d, and from the eye, 1 "
+                         "to %d; 0,1 and 1,1 are no paths", info_of(a->kind)->info.name,
+                         TALLY_LENGTHS - 1, TALLY_LENGTHS - 1);
+    a->which = (int)(s * TALLY_LENGTHS + t);
+    return true;
 }
 
 static bool parse_part(Aov *a, const char *arg, size_t n)
@@ -89,6 +121,8 @@ static bool parse_which(Aov *a, const char *arg, size_t n, bool colon)
     case AOV_LENGTH:   return parse_length(a, arg, n);
     case AOV_STRATEGY: return parse_strategy(a, arg, n);
     case AOV_VARIANCE: return parse_part(a, arg, n);
+    case AOV_RADIUS:   return parse_radius(a, arg, n);
+    case AOV_TECHNIQUE: case AOV_UNWEIGHTED: return parse_technique(a, arg, n);
     default:
         return !colon || err_usage("--aov %s takes nothing after ':'", info_of(a->kind)->info.name);
     }
@@ -119,10 +153,14 @@ const char *aov_layer(const Aov *a, char *name, size_t room)
     const char *sub = a->kind == AOV_STRATEGY ? strategy_names[a->which]
                     : a->kind == AOV_VARIANCE && a->which != AOV_PICTURE
                           ? info_of((AovKind)a->which)->info.name : "";
-    char number[NUMBER_MAX];
+    char number[2 * NUMBER_MAX];
 
-    if (a->kind == AOV_LENGTH) {
-        number_print_double(number, a->which);
+    if (a->kind == AOV_LENGTH || a->kind == AOV_RADIUS) {
+        number_print_double(number, a->which + (a->kind == AOV_RADIUS));
+        sub = number;
+    } else if (a->kind == AOV_TECHNIQUE || a->kind == AOV_UNWEIGHTED) {
+        snprintf(number, sizeof number, "%d-%d", a->which / TALLY_LENGTHS,
+                 a->which % TALLY_LENGTHS);
         sub = number;
     }
     ASSERT(strlen(info_of(a->kind)->info.name) + strlen(sub) + 2 <= room);
@@ -166,7 +204,8 @@ bool settings_aovs_fit(RenderSettings *s)
 static bool of_light(AovKind k)
 {
     return k == AOV_LENGTH || k == AOV_STRATEGY || k == AOV_EMISSION || k == AOV_DIRECT ||
-           k == AOV_INDIRECT || k == AOV_EDGES;
+           k == AOV_INDIRECT || k == AOV_EDGES || k == AOV_TECHNIQUE || k == AOV_UNWEIGHTED ||
+           k == AOV_RADIUS;
 }
 
 static bool of_hit(AovKind k)
@@ -197,6 +236,8 @@ static bool takes_path(const Aov *a, int edges, int how)
     case AOV_EMISSION: return edges <= 1;
     case AOV_DIRECT:   return edges == 2;
     case AOV_INDIRECT: return edges > 2;
+    case AOV_TECHNIQUE:                 /* only those that are shown to the lens come by splats */
+        return how == STRATEGY_LENS && a->which == edges * TALLY_LENGTHS + 1;
     default:           return false;
     }
 }
@@ -210,6 +251,12 @@ void aov_layers(const Aov *a, int n, Canvas *c)
                 if (takes_path(&a[k], edges, how))
                     c->layers[edges][how] |= (uint32_t)2 << k;
         }
+    for (int k = 0; k < n; k++) {
+        if (a[k].kind == AOV_UNWEIGHTED && a[k].which % TALLY_LENGTHS == 1)
+            c->bare[a[k].which / TALLY_LENGTHS] |= (uint32_t)2 << k;
+        else if (a[k].kind == AOV_RADIUS)
+            c->radius[a[k].which] |= (uint32_t)2 << k;
+    }
 }
 
 /* ---- values of a sample ---- */
@@ -229,9 +276,16 @@ static Rgb albedo_at(const Tracer *t, const Ray *r, const Surface *s)
 static Rgb light_value(const Aov *a, const Tally *t)
 {
     Rgb sum = rgb_all(0.0f);
+    int s = a->which / TALLY_LENGTHS, e = a->which % TALLY_LENGTHS;
 
-    if (a->kind == AOV_STRATEGY)
-        return t->strategy[a->which];
+    switch (a->kind) {
+    case AOV_STRATEGY: return t->strategy[a->which];
+    case AOV_RADIUS:   return t->radius[a->which];
+    /* what is shown to the lens comes by splats */
+    case AOV_TECHNIQUE:  return e > 1 ? t->technique[s][e].weighed : sum;
+    case AOV_UNWEIGHTED: return e > 1 ? t->technique[s][e].bare : sum;
+    default: break;
+    }
     for (int edges = 0; edges < TALLY_LENGTHS; edges++)
         if (takes_path(a, edges, -1))
             sum = rgb_add(sum, t->length[edges]);

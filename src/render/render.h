@@ -14,13 +14,14 @@
 
 typedef enum {
     AOV_NORMAL, AOV_GEOMETRIC, AOV_DEPTH, AOV_POSITION, AOV_ALBEDO, AOV_PRIMITIVE, AOV_MATERIAL,
-    AOV_EMISSION, AOV_DIRECT, AOV_INDIRECT, AOV_LENGTH, AOV_STRATEGY, AOV_EDGES, AOV_VARIANCE,
-    AOV_SAMPLES,
+    AOV_EMISSION, AOV_DIRECT, AOV_INDIRECT, AOV_LENGTH, AOV_STRATEGY, AOV_TECHNIQUE,
+    AOV_UNWEIGHTED, AOV_RADIUS, AOV_EDGES, AOV_VARIANCE, AOV_SAMPLES,
     AOV_PICTURE = -1                    /* none of them: the picture itself */
 } AovKind;
 typedef struct {
     AovKind kind;
-    int     which;              /* LENGTH: edges; STRATEGY: which; VARIANCE: of which AovKind */
+    int     which;              /* LENGTH: edges; STRATEGY, RADIUS: which; VARIANCE: of which
+                                 * AovKind; TECHNIQUE, UNWEIGHTED: S TALLY_LENGTHS + T */
     int     of;                 /* VARIANCE: of which layer of the film */
     const char *file;           /* borrowed; NULL: nobody wants it for itself */
 } Aov;

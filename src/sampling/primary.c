@@ -52,7 +52,9 @@ static PrimaryNumber number_of(Sampler *s, Decision d)
     PrimaryNumber x = { key, { (uint32_t)(bits >> 40), (uint32_t)bits >> 8 } };
     uint32_t slot, old = p->fresh ? 0 : now->slots[slot_of(now, key)];
 
-    if (old) {
+    if (old && d % DECIDE_KINDS == DECIDE_TECHNIQUE)
+        x = now->numbers[old - 1];
+    else if (old) {
         const PrimaryNumber *was = &now->numbers[old - 1];
         x.u[0] = moved(p->kernel, was->u[0], (uint32_t)(bits >> 32));
         x.u[1] = moved(p->kernel, was->u[1], (uint32_t)bits);

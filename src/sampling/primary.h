@@ -13,6 +13,8 @@
  * Kernel      Steps of either sign, their logarithm even between those of the least and the largest
  *             one. Numbers are whole multiples of 2^-24, and so are steps: what wraps around comes
  *             back exactly.
+ *             DECIDE_TECHNIQUE does not move in small steps: among ways of making paths there is
+ *             no near and far.
  * Pure        The proposal's numbers are functions of the present ones, of the proposal's key and
  *             the decision alone. A decision asked for twice gets the same answer. Those beyond
  *             PRIMARY_MOST are not kept but fresh in every proposal: symmetric too. */
