@@ -34,6 +34,9 @@ void bench_pssmlt(void);        /* chains of samples against samples alone */
 void bench_denoise(void);       /* noise filters: error at 16 samples, pictures side by side */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
+void bench_moves_speed(void);   /* mutations a CPU-second */
+void bench_moves_error(void);   /* chains of paths against the peers */
+void bench_moves_figures(void); /* figures 7.29, 8.10, 8.11, 8.13 to 8.15 of the document */
 void bench_samplers(void);      /* which sampler wins, scene by scene */
 
 /* Renders a scene file as the request says, its seed too: the picture, or the first extra picture

@@ -23,6 +23,8 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
     { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
     { "bidirectional", bench_bidirectional },
+    { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
+    { "moves figures", bench_moves_figures },
 };
 
 static void machine(void)

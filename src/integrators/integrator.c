@@ -21,7 +21,9 @@
     X(bdpt)                     /* paths from both ends, connected */          \
     X(bpm)                      /* the same, merged */                         \
     X(vcm)                      /* both */                                     \
-    X(pssmlt)                   /* chains of the numbers paths are made of */
+    X(pssmlt)                   /* chains of the numbers paths are made of */  \
+    X(mlt)                      /* chains of paths */                          \
+    X(erpt)                     /* samples spread by such chains */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

@@ -242,6 +242,8 @@ typedef struct {
     uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+    /* After the last pass. NULL: nothing. False: reported. */
+    bool (*finish)(Integrator *it, Film *f);
 
     /* What lasts from pass to pass beside the film, into a file and back, so that a render can go
      * on another day. NULL: nothing does. It is asked for when no unit runs, between passes or amid

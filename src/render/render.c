@@ -673,6 +673,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     if (ok) {
         progress_start(&j.progress);
         ok = run(&j);
+        if (ok && j.integrator->kind->finish)
+            ok = j.integrator->kind->finish(j.integrator, film);
         report_now(&j, report);
         progress_end(&j.progress);
         ok = ok && report_refused(film);
