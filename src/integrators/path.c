@@ -18,6 +18,7 @@
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
 #include "integrators/glints.h"
+#include "integrators/guide.h"
 #include "integrators/lighting.h"
 #include "integrators/twostage.h"
 
@@ -54,7 +55,8 @@ static float heuristic(const Path *it, float a, float b)
 }
 
 /* Weight of an implicit path that ends on light l, met along the last direction. */
-static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit)
+static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit,
+                             const Tracer *t)
 {
     float pdf;
 
@@ -64,8 +66,9 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
         return 1.0f;
     if (it->ways == EXPLICIT || (it->maps && twostage_asks(&it->two, l)))
         return 0.0f;
-    pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
-          light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
+    pdf = LIKELY(!t->guide) ? it->lights->kind->pmf(it->lights, e->p, e->n, l)
+                            : guide_light_pmf(t->guide, it->lights, e->p, e->n, l);
+    pdf *= light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
     return heuristic(it, e->pdf_w, pdf);
 }
 
@@ -76,7 +79,7 @@ static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Su
 
     if (rgb_black(L))
         return L;
-    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit));
+    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit, t));
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
     return c;
 }
@@ -116,14 +119,24 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
     float pmf, left;
     float u = it->base.scene->nlights > 1
                   ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth)) : 0.0f;
-    const Light *l = it->lights->kind->pick(it->lights, p, n, u, &pmf, &left);
+    const Light *l = LIKELY(!t->guide) ? it->lights->kind->pick(it->lights, p, n, u, &pmf, &left)
+                                       : guide_light(t->guide, it->lights, p, n, u, &pmf);
 
     if (!l || !light_sample(l, it->lighting.beside, p,
                             sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
                             ls))
         return NULL;
     *pdf = pmf * ls->pdf_w;
+    if (UNLIKELY(t->guide != NULL))
+        ls->L = rgb_scale(ls->L, 1.0f / guide_point_density(t->guide));
     return l;
+}
+
+/* Density with which the path goes on from the vertex that way. */
+static float scatter_pdf_w(const Vertex *v, V3 wi, V3 local, const Tracer *t)
+{
+    float pdf_w = vertex_pdf_w(v, local);
+    return LIKELY(!t->guide) ? pdf_w : guide_pdf_w(t->guide, wi, pdf_w);
 }
 
 /* Connects the vertex to one light. False: that would add nothing. */
@@ -141,7 +154,7 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
     if (rgb_black(f_cos))
         return false;
     if (it->ways == MIS && !l->kind->delta)
-        weight = heuristic(it, pdf, vertex_pdf_w(v, local));
+        weight = heuristic(it, pdf, scatter_pdf_w(v, ls.wi, local, t));
     to->c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, f_cos), ls.L), weight / pdf);
     to->ray = shadow_ray(&v->s, &ls);
     to->edges = e->beam.depth + 2;
@@ -242,6 +255,8 @@ static Rgb connection_light(Connection *to, Tracer *t)
     if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
         return rgb_all(0.0f);
     tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
+    if (UNLIKELY(t->guide != NULL))
+        guide_connected(t->guide, to->c);
     return to->c;
 }
 
@@ -277,7 +292,8 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 {
     BsdfSample bs;
 
-    if (!vertex_sample(v, t, e->beam.depth, &bs))
+    if (LIKELY(!t->guide) ? !vertex_sample(v, t, e->beam.depth, &bs)
+                          : !guide_scatters(t->guide, v, t, &e->beam, &bs))
         return false;
     if (bs.pdf_w > 0.0f)
         e->glint = glints_share(&it->glints);
@@ -311,13 +327,18 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     const Scene *scene = base->scene;
     Eye e = { .beam = beam_from_eye(r, scene), .p = r->o, .glint = 1.0f };
     Rgb sum = rgb_all(0.0f);
+    Guide *guide = t->guide;
 
+    if (UNLIKELY(guide != NULL))
+        guide_starts(guide, &e.beam);
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Connection to, sky;
         bool connects, shows_sky, goes_on;
         Event event = beam_flies(&e.beam, &v.s, &p, t);
+        if (UNLIKELY(guide != NULL))
+            guide_flies(guide, &e.beam, sum);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
@@ -327,6 +348,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         /* Both decisions first, then the rays: the processor works on the two side by side. */
         if (event == ARRIVES) {
             vertex_make(&v, scene, e.beam.ray.d);
+            if (UNLIKELY(guide != NULL))
+                guide_turns(guide, &e.beam, vertex_is_smooth(&v));
             connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
                        connect_any(it, &e, &v, t, &to);
             if (it->glints.n > 1 && vertex_is_smooth(&v))
@@ -336,6 +359,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
                 sum = rgb_add(sum, asked(it, &e, &v, p, t));
             goes_on = scatter(it, &e, &v, t);
         } else {
+            if (UNLIKELY(guide != NULL))
+                guide_turns(guide, &e.beam, true);
             connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
             shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
             if (it->two.nasked)
@@ -346,6 +371,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
             sum = rgb_add(sum, connection_light(&to, t));
         if (shows_sky)
             sum = rgb_add(sum, connection_light(&sky, t));
+        if (UNLIKELY(guide != NULL))
+            guide_leaves(guide, sum);
         if (!goes_on)
             return sum;
     }

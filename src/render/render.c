@@ -106,14 +106,17 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
 {
     Job *j = ctx;
     Tracer *t = &j->tracers[worker];
+    Integrator *it = j->integrator;
+    Taker taker = { camera_sample, is_late, j, t };
 
     unit += j->first_unit;
     if (j->phase != SAMPLES)
-        j->integrator->kind->run(j->integrator, j->film, j->pass, j->phase, unit, t);
-    else if (j->adapts) {
-        Taker taker = { camera_sample, is_late, j, t };
+        it->kind->run(it, j->film, j->pass, j->phase, unit, t);
+    else if (j->adapts)
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
-    } else
+    else if (it->kind->walk)
+        it->kind->walk(it, j->film, (uint32_t)unit, j->first, j->count, &taker);
+    else
         camera_tile(j, t, (uint32_t)unit);
 }
 
@@ -210,7 +213,10 @@ static uint64_t units_of(const Job *j)
 {
     if (j->phase != SAMPLES)
         return j->integrator->kind->units(j->integrator, j->film, j->pass, j->phase);
-    return j->adapts ? adaptive_units(&j->adaptive) : film_ntiles(j->film);
+    if (j->adapts)
+        return adaptive_units(&j->adaptive);
+    return j->integrator->kind->walks ? j->integrator->kind->walks(j->integrator, j->film)
+                                      : film_ntiles(j->film);
 }
 
 static void run_phase(Job *j, int phase)
@@ -261,6 +267,8 @@ static uint32_t next_count(const Job *j)
     uint32_t spp = j->settings->spp ? j->settings->spp : UINT32_MAX;
     const RenderWatch *w = j->settings->watch;
 
+    if (k->batch)
+        n = k->batch(j->integrator, j->first, j->settings->spp);
     if (w && j->looked_spp < w->nspp && w->spp[j->looked_spp] < spp)
         spp = w->spp[j->looked_spp];
     return n < spp - j->first ? n : spp - j->first;

@@ -28,6 +28,7 @@ typedef enum {
     DECIDE_SKY,                 /* 2-D: directions to the light from beyond, by its map */
     DECIDE_BAND,                /* 1-D: the band of the spectrum of a photon */
     DECIDE_PICTURE,             /* 2-D: places on lamps with pictures, by their maps */
+    DECIDE_GUIDE,               /* 1-D: whether a learned map chooses the direction */
     DECIDE_KINDS = 16           /* room for more, a power of two */
 } DecisionKind;
 
