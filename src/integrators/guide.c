@@ -421,7 +421,25 @@ const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, 
     return l;
 }
 
-float guide_point_density(const Guide *g) { return g->point_density; }
+float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi)
+{
+    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    V2 u;
+
+    if (map < 0 || !has(g, map) || !l->kind->numbers || !l->kind->numbers(l, beside, wi, &u))
+        return 1.0f;
+    return inverted_density(&g->table[map], u);
+}
+
+void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf)
+{
+    V2 u;
+
+    if (l->kind->numbers && l->kind->numbers(l, beside, s->wi, &u))
+        *pdf *= g->point_density;
+    else
+        s->L = rgb_scale(s->L, 1.0f / g->point_density);
+}
 
 /* ---- directions ---- */
 

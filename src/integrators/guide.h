@@ -19,9 +19,10 @@
  *             everywhere, by the constant of learned.h. World maps may be 0 where they like, as the
  *             other share goes everywhere.
  * Trust       The share of a world map grows with what it has learned from: none at first.
- * Weights     Points on lights: the heuristic looks at the densities of the lights alone, without
- *             the map's, which would need the number that gives a direction. Any weights whose sum
- *             is 1 are right; these are a little less than the best.
+ * Weights     Points on lights: the heuristic wants the number that would have given a direction
+ *             that the surface chose [errata 9.4]. Pictures of the sky know it. With other lights
+ *             it looks at their own densities, without the map's, for both ways: any weights whose
+ *             sum is 1 are right; these are a little less than the best.
  * Roulette    Of a path that a guide takes often, each goes with less light. It must not end for
  *             that: Beam.eta2 takes the guide's part out of its strength. */
 #ifndef INTEGRATORS_GUIDE_H
@@ -95,8 +96,11 @@ void guide_ends(Guide *g, Rgb sum);
 /* As the functions of a LightSampler; also of the vertex before, up to the next guide_turns. */
 const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, float *pmf);
 float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const Light *l);
-/* Density with which the point on a light that was asked for last had its number. */
-float guide_point_density(const Guide *g);
+/* What the density of a direction to a light is multiplied by, because of its point's number, where
+ * the light knows that of every direction; else 1. */
+float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi);
+/* For the sample of a light that was asked for: into *pdf as well; else into what it brings. */
+void  guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf);
 
 /* As vertex_sample, for the beam's next event; tells b of its part in the density. */
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s);

@@ -67,7 +67,8 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
     if (it->ways == EXPLICIT || (it->maps && twostage_asks(&it->two, l)))
         return 0.0f;
     pdf = LIKELY(!t->guide) ? it->lights->kind->pmf(it->lights, e->p, e->n, l)
-                            : guide_light_pmf(t->guide, it->lights, e->p, e->n, l);
+                            : guide_light_pmf(t->guide, it->lights, e->p, e->n, l) *
+                              guide_point_pdf(t->guide, l, it->lighting.beside, e->beam.ray.d);
     pdf *= light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
     return heuristic(it, e->pdf_w, pdf);
 }
@@ -128,7 +129,7 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
         return NULL;
     *pdf = pmf * ls->pdf_w;
     if (UNLIKELY(t->guide != NULL))
-        ls->L = rgb_scale(ls->L, 1.0f / guide_point_density(t->guide));
+        guide_points(t->guide, l, it->lighting.beside, ls, pdf);
     return l;
 }
 

@@ -6,9 +6,9 @@
  *             those of seven pixels done before, two behind it and five in the row above
  *             [Cline07 fig. 9.10]; rows run back and forth. Its samples are drawn by that mean;
  *             what they were worth is mixed into it, and that is what the next pixels see.
- * Order       The picture is cut into bands of whole rows of tiles, each of which begins knowing
- *             nothing, so that threads do not matter. Higher bands learn more; there must be some
- *             for each thread.
+ * Order       The picture is cut into bands of whole rows of tiles, which know nothing of each
+ *             other, so that threads do not matter. So that a band does not begin knowing nothing,
+ *             it practises on the row above, without keeping what it sees.
  * Memory      Two rows of maps for each band under way, so for each thread; maps of 32 x 32 cells
  *             take 4 KB each: 34 KB for each pixel of width with every map on.
  * Passes      All samples of a pixel are taken at once. With passes=n, in n passes of counts that
@@ -51,7 +51,7 @@ typedef struct {
     float   *none;              /* owned: of one that knows nothing */
     float   *sums;              /* owned: of each tile in the row at hand, sums of its pixels' maps;
                                  * NULL: nobody asks */
-    uint32_t y0, y1;
+    uint32_t y0, y1, first;     /* rows; the first one, of practice, is not the band's */
 } Band;
 
 static float *maps_at(const Band *b, uint32_t y, int64_t x)
@@ -80,13 +80,16 @@ static int neighbours(const Band *b, uint32_t x, uint32_t y, int step, const flo
     for (int k = 1; k <= 2; k++)
         if (at - k * step >= 0 && at - k * step < w)
             of[n++] = maps_at(b, y, at - k * step);
-    for (int64_t k = at - 2; k <= at + 2 && y > b->y0; k++)
+    for (int64_t k = at - 2; k <= at + 2 && y > b->first; k++)
         if (k >= 0 && k < w)
             of[n++] = maps_at(b, y - 1, k);
     return n;
 }
 
-static void take_pixel(const Band *b, uint32_t x, uint32_t y, int step, uint32_t first, uint32_t n,
+/* Samples of a pass: their numbers, and whether they are for the picture. */
+typedef struct { uint32_t first, n; bool keep; } Batch;
+
+static void take_pixel(const Band *b, uint32_t x, uint32_t y, int step, const Batch *s,
                        const Taker *taker)
 {
     const Swarm *it = b->it;
@@ -95,17 +98,17 @@ static void take_pixel(const Band *b, uint32_t x, uint32_t y, int step, uint32_t
     size_t floats = (size_t)it->plan.floats;
     int count = neighbours(b, x, y, step, of);
 
-    if (it->tiles && first)
+    if (it->tiles && s->first)
         of[count++] = tile_at(b, tiles_of_row(b, y), x);
     if (!count)
         of[count++] = b->none;
     learned_mean(maps, of, count, (int)floats);
     guide_pixel(b->guide, taker->tracer, x, y);
-    for (uint32_t i = 0; i < n; i++)
-        taker->take(taker->ctx, taker->tracer, x, y, first + i, true);
+    for (uint32_t i = 0; i < s->n; i++)
+        taker->take(taker->ctx, taker->tracer, x, y, s->first + i, s->keep);
     guide_learns(b->guide, taker->tracer);
     memcpy(maps_at(b, y, (int64_t)x - b->film->x0), maps, floats * sizeof *maps);
-    if (b->sums)
+    if (b->sums && s->keep)
         learned_sum(tile_at(b, b->sums, x), maps, (int)floats);
 }
 
@@ -126,14 +129,14 @@ static void keep_tiles(const Band *b, uint32_t y)
     memset(b->sums, 0, (size_t)b->film->tiles_x * (size_t)floats * sizeof *b->sums);
 }
 
-static void take_row(const Band *b, uint32_t y, uint32_t first, uint32_t n, const Taker *taker)
+static void take_row(const Band *b, uint32_t y, const Batch *s, const Taker *taker)
 {
     const Film *f = b->film;
-    bool back = (y - b->y0) & 1;
+    bool back = y & 1;
 
     for (uint32_t k = 0; k < f->w; k++)
-        take_pixel(b, back ? f->x1 - 1 - k : f->x0 + k, y, back ? -1 : 1, first, n, taker);
-    if (b->sums && ((y + 1 - f->y0) % FILM_TILE == 0 || y + 1 == f->y1))
+        take_pixel(b, back ? f->x1 - 1 - k : f->x0 + k, y, back ? -1 : 1, s, taker);
+    if (b->sums && s->keep && ((y + 1 - f->y0) % FILM_TILE == 0 || y + 1 == f->y1))
         keep_tiles(b, y);
 }
 
@@ -156,6 +159,7 @@ static bool band_init(Band *b, const Swarm *it, const Film *f, uint32_t unit)
     b->film = f;
     b->y0 = f->y0 + unit * it->rows * FILM_TILE;
     b->y1 = f->y1 - b->y0 > it->rows * FILM_TILE ? b->y0 + it->rows * FILM_TILE : f->y1;
+    b->first = unit ? b->y0 - 1 : b->y0;
     b->guide = guide_new(&it->plan);
     b->none = MEM_ARRAY(float, floats);
     for (int k = 0; k < 2; k++)
@@ -181,14 +185,17 @@ static uint32_t walks(const Integrator *base, const Film *f)
 static void walk(Integrator *base, const Film *f, uint32_t unit, uint32_t first, uint32_t n,
                  const Taker *taker)
 {
+    Batch samples = { first, n, true }, practice = { first, n, false };
     Band b;
 
     if (!band_init(&b, (const Swarm *)base, f, unit)) {
         taker->tracer->failed = true;
         return;
     }
+    if (b.first < b.y0)
+        take_row(&b, b.first, &practice, taker);
     for (uint32_t y = b.y0; y < b.y1; y++)
-        take_row(&b, y, first, n, taker);
+        take_row(&b, y, &samples, taker);
     band_clear(&b);
 }
 
