@@ -33,7 +33,8 @@
     X(rays) X(rays_closed) X(rays_leave) X(rays_lights) X(rays_trees) X(tessellation) X(geometry) \
     X(geometry_round) X(film_sums) X(sampler) X(patterns) X(tables) X(media) X(references) \
     X(whitted) X(distributed) X(splats) X(light) X(pointtree) X(photonmap) X(instantradiosity) \
-    X(pointgrid) X(progressive) X(irradiance) X(irradiancecache)
+    X(pointgrid) X(progressive) X(irradiance) X(irradiancecache) \
+    X(learned) X(swarm)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

@@ -64,11 +64,12 @@ static float *tile_at(const Band *b, float *row_of_tiles, uint32_t x)
     return row_of_tiles + (size_t)((x - b->film->x0) / FILM_TILE) * (size_t)b->it->plan.floats;
 }
 
-/* Of the tiles in the row that holds y. */
+/* Of the tiles in the row that holds y; those above the band, which another one changes, are as
+ * its first. */
 static float *tiles_of_row(const Band *b, uint32_t y)
 {
-    return b->it->tiles + (size_t)((y - b->film->y0) / FILM_TILE) * b->film->tiles_x *
-                          (size_t)b->it->plan.floats;
+    uint32_t row = ((y < b->y0 ? b->y0 : y) - b->film->y0) / FILM_TILE;
+    return b->it->tiles + (size_t)row * b->film->tiles_x * (size_t)b->it->plan.floats;
 }
 
 /* The pixels that are done of those seven, `step` being the way of the row at hand: how many. */
