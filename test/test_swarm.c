@@ -101,7 +101,8 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
     opts_default(&none, kind_info(samplers, 0)->options);
     n->tracer.scene = n->lab.scene;
     REQUIRE(n->guide && n->lights &&
-            sampler_init(&n->tracer.sampler, kind_find(samplers, "random"), &none, 7, &spp), "open");
+            sampler_init(&n->tracer.sampler, kind_find(samplers, "random"), &none, 7, &spp),
+            "open");
     maps = guide_maps(n->guide);
     guide_forget(&n->plan, maps);
     for (int m = 0; m < GUIDE_MAPS; m++) {
@@ -245,7 +246,8 @@ static void room(void)
         { "swarm:band=1,maxdepth=4", 0.1 },
         { "swarm:maxdepth=4,bounces=3,passes=2,band=1,share=0.8@random", 0.12 },
         { "swarm:maxdepth=4,strategy=explicit,coin=true,light=2,lightsampler=uniform", 0.2 },
-        { "swarm:maxdepth=4,sky=all,roulette=1,heuristic=balance,point=7,lens=5,direction=9", 0.08 },
+        { "swarm:maxdepth=4,sky=all,roulette=1,heuristic=balance,point=7,lens=5,direction=9",
+          0.08 },
     };
     Lab l;
 

@@ -9,8 +9,9 @@
  *             that end by meeting a light as well as by asking for it.
  * Where       Time, lens: of the camera sample. Distance: of the first ray. Bifurcation: at each
  *             polished surface that reflects and refracts, by the number of scattering events
- *             before. Light, point, direction: at the first vertex that is no delta as a whole; with
- *             `bounces` more, at so many, each with maps of its own, and so for distance.
+ *             before. Light, point, direction (of surfaces only): at the first vertex that is no
+ *             delta as a whole. With more `bounces`, distance at so many rays and the last three
+ *             at so many such vertices, each with maps of its own.
  * Worth       What a decision learns from is the light that was found because of it: a light and a
  *             point on it from their connection, a direction or a bifurcation from all that comes
  *             after, time and lens from the whole.

@@ -9,6 +9,7 @@
  *             paths count only where there was none to make: after delta events. Or the sky has a
  *             connection of its own at each vertex, see twostage.h, and so have lamps with
  *             pictures: they are met only after delta events; other lights go by both ways then.
+ *             What a guide has learned may have a say in all decisions, see guide.h and swarm.c.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -322,59 +323,78 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
     return beam_survives(&e->beam, it->roulette, t);
 }
 
+/* What is decided at one event: both connections first, then their rays: the processor works on the
+ * two side by side. */
+typedef struct {
+    Connection to, sky;
+    bool connects, shows_sky, goes_on;
+} Step;
+
+/* Returns light that needs no more rays. */
+INLINE Rgb step_on_surface(const Path *it, Eye *e, Vertex *v, Tracer *t, Step *s)
+{
+    Rgb sum = rgb_all(0.0f);
+    bool smooth;
+
+    vertex_make(v, it->base.scene, e->beam.ray.d);
+    smooth = vertex_is_smooth(v);
+    if (UNLIKELY(t->guide != NULL))
+        guide_turns(t->guide, &e->beam, smooth);
+    s->connects = it->ways != IMPLICIT && smooth && connect_any(it, e, v, t, &s->to);
+    if (it->glints.n > 1 && smooth)
+        sum = rgb_add(sum, glints(it, e, v, t));
+    s->shows_sky = it->maps && smooth && connect_to_sky(it, e, v, v->s.p, t, &s->sky);
+    if (it->two.nasked && smooth)
+        sum = rgb_add(sum, asked(it, e, v, v->s.p, t));
+    s->goes_on = scatter(it, e, v, t);
+    return sum;
+}
+
+INLINE Rgb step_in_medium(const Path *it, Eye *e, V3 p, Tracer *t, Step *s)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    if (UNLIKELY(t->guide != NULL))
+        guide_turns(t->guide, &e->beam, true);
+    s->connects = it->ways != IMPLICIT && connect_any_in_medium(it, e, p, t, &s->to);
+    s->shows_sky = it->maps && connect_to_sky(it, e, NULL, p, t, &s->sky);
+    if (it->two.nasked)
+        sum = asked(it, e, NULL, p, t);
+    s->goes_on = scatter_in_medium(it, e, p, t);
+    return sum;
+}
+
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
     const Scene *scene = base->scene;
     Eye e = { .beam = beam_from_eye(r, scene), .p = r->o, .glint = 1.0f };
     Rgb sum = rgb_all(0.0f);
-    Guide *guide = t->guide;
 
-    if (UNLIKELY(guide != NULL))
-        guide_starts(guide, &e.beam);
+    if (UNLIKELY(t->guide != NULL))
+        guide_starts(t->guide, &e.beam);
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
-        Connection to, sky;
-        bool connects, shows_sky, goes_on;
+        Step s;
         Event event = beam_flies(&e.beam, &v.s, &p, t);
-        if (UNLIKELY(guide != NULL))
-            guide_flies(guide, &e.beam, sum);
+        if (UNLIKELY(t->guide != NULL))
+            guide_flies(t->guide, &e.beam, sum);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, implicit_light(it, &e, scene_light_of(scene, &v.s), &v.s, t));
         if (e.beam.depth >= it->maxdepth)
             return sum;
-        /* Both decisions first, then the rays: the processor works on the two side by side. */
-        if (event == ARRIVES) {
-            vertex_make(&v, scene, e.beam.ray.d);
-            if (UNLIKELY(guide != NULL))
-                guide_turns(guide, &e.beam, vertex_is_smooth(&v));
-            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
-                       connect_any(it, &e, &v, t, &to);
-            if (it->glints.n > 1 && vertex_is_smooth(&v))
-                sum = rgb_add(sum, glints(it, &e, &v, t));
-            shows_sky = it->maps && vertex_is_smooth(&v) && connect_to_sky(it, &e, &v, p, t, &sky);
-            if (it->two.nasked && vertex_is_smooth(&v))
-                sum = rgb_add(sum, asked(it, &e, &v, p, t));
-            goes_on = scatter(it, &e, &v, t);
-        } else {
-            if (UNLIKELY(guide != NULL))
-                guide_turns(guide, &e.beam, true);
-            connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
-            shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
-            if (it->two.nasked)
-                sum = rgb_add(sum, asked(it, &e, NULL, p, t));
-            goes_on = scatter_in_medium(it, &e, p, t);
-        }
-        if (connects)
-            sum = rgb_add(sum, connection_light(&to, t));
-        if (shows_sky)
-            sum = rgb_add(sum, connection_light(&sky, t));
-        if (UNLIKELY(guide != NULL))
-            guide_leaves(guide, sum);
-        if (!goes_on)
+        sum = rgb_add(sum, event == ARRIVES ? step_on_surface(it, &e, &v, t, &s)
+                                            : step_in_medium(it, &e, p, t, &s));
+        if (s.connects)
+            sum = rgb_add(sum, connection_light(&s.to, t));
+        if (s.shows_sky)
+            sum = rgb_add(sum, connection_light(&s.sky, t));
+        if (UNLIKELY(t->guide != NULL))
+            guide_leaves(t->guide, sum);
+        if (!s.goes_on)
             return sum;
     }
 }

@@ -149,7 +149,7 @@ static int part_of(const float *sum, int n, float *u)
 
 static float share_of(const float *sum, int n, int i) { return (sum[i + 1] - sum[i]) / sum[n]; }
 
-/* The place in cell i of n, in multiples of 2^-24. Rounding may cross into a neighbour: a step leads
+/* The place in cell i of n, in multiples of 2^-24. Rounding may cross into a neighbour: a step goes
  * back. */
 static float place_in(int i, float rest, int n)
 {
@@ -177,7 +177,8 @@ V2 inverted_sample(const Inverted *t, V2 u, float *density)
     int x = part_of(t->cell + y * (s.w + 1), s.w, &u.x);
 
     *density = density_of(t, x, y);
-    return (V2){ place_in(x, u.x, s.w), s.h > 1 ? place_in(y, u.y, s.h) : 0.0f };
+    u.y = s.h > 1 ? place_in(y, u.y, s.h) : 0.0f;
+    return (V2){ place_in(x, u.x, s.w), u.y };
 }
 
 float inverted_density(const Inverted *t, V2 place)
@@ -193,4 +194,7 @@ int inverted_choose(const Inverted *t, float u, float *rest)
     return i;
 }
 
-float inverted_pmf(const Inverted *t, int entry) { return share_of(t->cell, t->shape.w, entry); }
+float inverted_pmf(const Inverted *t, int entry)
+{
+    return share_of(t->cell, t->shape.w, entry);
+}

@@ -276,7 +276,8 @@ float panorama_bright_pdf_w(const Panorama *p, V3 d)
 V2 panorama_numbers(const Panorama *p, bool bright, V3 d)
 {
     float jacobian;
-    return table2_numbers(bright ? &p->bright : &p->table, mapping_place(&p->mapping, d, &jacobian));
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+    return table2_numbers(bright ? &p->bright : &p->table, q);
 }
 
 /* The cell takes both numbers, as one of 48 bits; what they still hold is cut in two for the place
