@@ -27,6 +27,7 @@ void bench_triple(void);        /* figures 6.7 and 6.8 of the document */
 void bench_zoneplate(void);     /* figure 5.1 of [Shirley91], for every filter */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
+void bench_swarm(void);         /* table 9.2 of [Cline07]: learned maps, and what they cost */
 void bench_samplers(void);      /* which sampler wins, scene by scene */
 
 /* Renders a scene file as the request says, its seed too: the picture, or the first extra picture

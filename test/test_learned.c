@@ -24,7 +24,7 @@ static void drawn_init(Drawn *d, LearnedShape s, uint64_t seed, float constant)
     memset(d->map, 0, sizeof d->map);
     REQUIRE(learned_merge(d->map, worth, learned_cells(s), constant), "worth");
     REQUIRE(inverted_size(s) <= ROOM, "room");
-    inverted_make(&d->table, s, d->map, d->room);
+    inverted_make(&d->table, s, d->map, constant > 0.0f ? 0.7f : 1.0f, d->room);
     d->line = s.h == 1;
 }
 
@@ -142,7 +142,7 @@ static void means(void)
         b[i] = i == 15 ? 0.985f : 0.001f;
     }
     learned_mean(mean, both, 2, 16);
-    inverted_make(&t, s, mean, room);
+    inverted_make(&t, s, mean, 1.0f, room);
     EXPECT(fabsf(inverted_density(&t, (V2){ 0.1f, 0.1f }) / 16 - 0.493f) < 1e-5f &&
            fabsf(inverted_density(&t, (V2){ 0.9f, 0.9f }) / 16 - 0.493f) < 1e-5f &&
            fabsf(inverted_density(&t, (V2){ 0.9f, 0.1f }) / 16 - 0.001f) < 1e-5f,

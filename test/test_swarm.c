@@ -110,8 +110,8 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
         float *mass = maps + n->plan.at[m];
         for (int i = 0; i < cells && m != GUIDE_BIFURCATION; i++)
             mass[i] *= rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.1f;
-        if (cells)
-            mass[cells] = 0.8f;         /* trust: a share of 0.4 */
+        for (int k = 0; cells && k < GUIDE_LEVELS; k++)
+            mass[cells + k] = 1.0f / (float)(1 + k);    /* the more of the map the better */
     }
     REQUIRE(vertex_meet(&n->v, &r, &n->tracer), "a vertex");
     guide_pixel(n->guide, &n->tracer, 0, 0);

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #define EVEN_WORLD 1e-6f                /* the constant of world maps, over their cells */
+#define WORTHWHILE 0.8f                 /* second moment with a map over that without */
+#define MOMENT_MOST 1e6f                /* a density over another */
 enum { FORKS_MOST = 64 };
 
 const char *const guide_names[GUIDE_KINDS] = {
@@ -16,6 +18,7 @@ const char *const guide_names[GUIDE_KINDS] = {
 typedef struct {
     bool  used;
     V2    place;
+    float own, map;             /* densities without the map, and by it alone */
     float before, gained;       /* light so far; of a connection */
 } Decided;
 
@@ -27,7 +30,7 @@ struct Guide {
     float  *maps, *worth;       /* owned: of the pixel; what its samples were worth */
     float  *room;               /* owned: of inverted tables */
     Inverted table[GUIDE_MAPS];
-    float   share[GUIDE_MAPS];  /* of decisions by a world map */
+    float   share[GUIDE_MAPS];  /* of what is by the map, the remainder being as without */
     Decided decided[GUIDE_MAPS];                /* by the sample at hand */
     Fork    fork[FORKS_MOST];
     float   pending;            /* over the density of warped numbers, not yet in the throughput */
@@ -112,7 +115,7 @@ void guide_plan(GuidePlan *p, const Scene *s, const int cells[GUIDE_KINDS], int 
                 continue;
             p->shape[m] = shape_of(s, (GuideKind)k, cells[k]);
             p->at[m] = p->floats;
-            p->floats += learned_cells(p->shape[m]) + 1;
+            p->floats += learned_cells(p->shape[m]) + GUIDE_LEVELS;
             p->room[m] = p->rooms;
             p->rooms += inverted_size(p->shape[m]);
         }
@@ -128,8 +131,8 @@ void guide_forget(const GuidePlan *p, float *maps)
                 mass[i] = i % FORK_FLOATS < 2 ? 0.5f : 0.0f;
         else if (n)
             learned_uniform(mass, n);
-        if (n)
-            mass[n] = 0.0f;
+        for (int k = 0; n && k < GUIDE_LEVELS; k++)
+            mass[n + k] = 0.0f;
     }
 }
 
@@ -164,16 +167,13 @@ void guide_free(Guide *g)
 
 static bool has(const Guide *g, int map) { return g->plan->shape[map].w != 0; }
 
-static void decide(Guide *g, int map, V2 place)
-{
-    g->decided[map] = (Decided){ true, place, 0.0f, 0.0f };
-}
-
 static V2 warped(Guide *g, int map, V2 u, float *density)
 {
+    const GuidePlan *p = g->plan;
     V2 place = inverted_sample(&g->table[map], u, density);
 
-    decide(g, map, place);
+    g->decided[map] = (Decided){ .used = true, .place = place, .own = 1.0f };
+    g->decided[map].map = learned_density(g->maps + p->at[map], p->shape[map], place);
     return place;
 }
 
@@ -229,6 +229,25 @@ static const SamplerKind guided = {
 
 /* ---- pixel by pixel ---- */
 
+static float share_at(const GuidePlan *p, int map, int level)
+{
+    return (float)level / (GUIDE_LEVELS - 1) * (is_world(map) ? p->share : 1.0f);
+}
+
+/* The level of least second moment, if that is well below that without the map. Where nothing is
+ * known, preimage maps are even, and world maps had better not be asked. */
+static int best_level(int map, const float *moment)
+{
+    int best = 0;
+
+    if (!(moment[0] > 0.0f))
+        return is_world(map) ? 0 : GUIDE_LEVELS - 1;
+    for (int k = 1; k < GUIDE_LEVELS; k++)
+        if (moment[k] < moment[best] && moment[k] < WORTHWHILE * moment[0])
+            best = k;
+    return best;
+}
+
 float *guide_maps(Guide *g) { return g->maps; }
 
 void guide_pixel(Guide *g, Tracer *t, uint32_t x, uint32_t y)
@@ -244,10 +263,11 @@ void guide_pixel(Guide *g, Tracer *t, uint32_t x, uint32_t y)
     for (int m = 0; m < GUIDE_MAPS; m++) {
         const float *mass = g->maps + p->at[m];
         int n = learned_cells(p->shape[m]);
-        if (n && m != GUIDE_BIFURCATION)
-            inverted_make(&g->table[m], p->shape[m], mass, g->room + p->room[m]);
-        if (n)
-            g->share[m] = p->share * mass[n];
+        if (!n || m == GUIDE_BIFURCATION)
+            continue;
+        g->share[m] = share_at(p, m, best_level(m, mass + n));
+        inverted_make(&g->table[m], p->shape[m], mass, is_world(m) ? 1.0f : g->share[m],
+                      g->room + p->room[m]);
     }
 }
 
@@ -272,7 +292,8 @@ void guide_learns(Guide *g, Tracer *t)
         if (m == GUIDE_BIFURCATION)
             merge_forks(mass, worth, n);
         else if (n && learned_merge(mass, worth, n, constant))
-            mass[n] = 0.5f * (mass[n] + 1.0f);
+            for (int k = 0; k < GUIDE_LEVELS; k++)
+                mass[n + k] = 0.5f * (mass[n + k] + worth[n + k]);
     }
 }
 
@@ -329,6 +350,23 @@ static bool learns_from_connection(int map)
     return k == GUIDE_LIGHT || k == GUIDE_POINT;
 }
 
+/* What the sample was worth: to the map, and, squared, to the second moments at all levels: of
+ * value v found at density p, level k would make v p / p_k of it, p / p_k times as seldom. */
+static void learn(Guide *g, int m, const Decided *d, float value)
+{
+    const GuidePlan *p = g->plan;
+    float *worth = g->worth + p->at[m], *moment = worth + learned_cells(p->shape[m]);
+    float now = g->share[m] * d->map + (1.0f - g->share[m]) * d->own;
+
+    if (!(value > 0.0f) || !(value < 1e15f))
+        return;
+    learned_add(worth, p->shape[m], d->place, value);
+    for (int k = 0; k < GUIDE_LEVELS; k++) {
+        float x = share_at(p, m, k), at = x * d->map + (1.0f - x) * d->own;
+        moment[k] += value * value * f_min(now / f_max(at, 1e-30f), MOMENT_MOST);
+    }
+}
+
 void guide_ends(Guide *g, Rgb sum)
 {
     const GuidePlan *p = g->plan;
@@ -338,8 +376,7 @@ void guide_ends(Guide *g, Rgb sum)
     for (int m = 0; m < GUIDE_MAPS; m++) {
         const Decided *d = &g->decided[m];
         if (d->used)
-            learned_add(g->worth + p->at[m], p->shape[m], d->place,
-                        learns_from_connection(m) ? d->gained : all - d->before);
+            learn(g, m, d, learns_from_connection(m) ? d->gained : all - d->before);
     }
     for (int i = 0; i < forks; i++)
         if (g->fork[i].used && all > g->fork[i].before && is_finite(all))
@@ -416,8 +453,10 @@ const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, 
                            &left);
     if (!l)
         return NULL;
-    decide(g, map, (V2){ ((float)entry_of(g, map, l) + 0.5f) / (float)g->plan->shape[map].w, 0 });
-    *pmf = guide_light_pmf(g, ls, p, n, l);
+    g->decided[map] = (Decided){ .used = true, .own = ls->kind->pmf(ls, p, n, l),
+                                 .map = pmf_by_map(g, map, l) };
+    g->decided[map].place.x = ((float)entry_of(g, map, l) + 0.5f) / (float)g->plan->shape[map].w;
+    *pmf = share * g->decided[map].map + (1.0f - share) * g->decided[map].own;
     return l;
 }
 
@@ -586,6 +625,17 @@ static bool forks(const Guide *g, const Vertex *v, int at, BsdfSample e[BSDF_DEL
            e[0].flags & BSDF_REFLECT && e[1].flags & BSDF_TRANSMIT;
 }
 
+/* How the direction could have come about. */
+static void note_direction(Guide *g, const BsdfSample *s)
+{
+    int map = guide_map(GUIDE_DIRECTION, g->here);
+    float share = g->share[map], by_map = map_pdf_w(g, map, s->wi);
+
+    g->direction = map;
+    g->decided[map] = (Decided){ .used = true, .place = place_of(s->wi), .map = by_map,
+                                 .own = f_max((s->pdf_w - share * by_map) / (1.0f - share), 0.0f) };
+}
+
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s)
 {
     BsdfSample e[BSDF_DELTAS];
@@ -601,9 +651,7 @@ bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s
     if (!goes_on)
         return false;
     b->eta2 *= thinned;
-    if (g->here >= 0 && s->pdf_w > 0.0f && has(g, guide_map(GUIDE_DIRECTION, g->here))) {
-        g->direction = guide_map(GUIDE_DIRECTION, g->here);
-        decide(g, g->direction, place_of(s->wi));
-    }
+    if (g->here >= 0 && s->pdf_w > 0.0f && has(g, guide_map(GUIDE_DIRECTION, g->here)))
+        note_direction(g, s);
     return true;
 }

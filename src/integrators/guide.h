@@ -19,7 +19,11 @@
  *             fixed before the first is drawn, and each is unbiased. Preimage maps are above 0
  *             everywhere, by the constant of learned.h. World maps may be 0 where they like, as the
  *             other share goes everywhere.
- * Trust       The share of a world map grows with what it has learned from: none at first.
+ * Levels      A map is used as far as it is of use: besides it, pixels learn the second moment that
+ *             their samples would have had without the map, with half of its part (share; of
+ *             preimage maps: the whole), and with all of it. Where the best of these is not well
+ *             below the first, the map is left alone: it would cost more in strata than it brings.
+ *             A bifurcation is trusted the more, the more has been learned of it.
  * Weights     Points on lights: the heuristic wants the number that would have given a direction
  *             that the surface chose [errata 9.4]. Pictures of the sky know it. With other lights
  *             it looks at their own densities, without the map's, for both ways: any weights whose
@@ -42,6 +46,7 @@ extern const char *const guide_names[GUIDE_KINDS];
 
 enum { GUIDE_BOUNCES = 4, GUIDE_BOUNCE_MAPS = GUIDE_KINDS - GUIDE_DISTANCE };
 enum { GUIDE_MAPS = GUIDE_DISTANCE + GUIDE_BOUNCES * GUIDE_BOUNCE_MAPS };
+enum { GUIDE_LEVELS = 3 };      /* how much of a map is used: nothing, half of its part, all */
 enum { FORK_FLOATS = 3 };       /* of bifurcations: masses of reflecting and refracting, trust */
 
 /* The number of a map in a pixel's. */
@@ -53,7 +58,7 @@ INLINE int guide_map(GuideKind k, int bounce)
 /* What all pixels of a picture have in common. */
 typedef struct {
     LearnedShape shape[GUIDE_MAPS];             /* w 0: there is no such map */
-    int   at[GUIDE_MAPS];       /* of its masses in a pixel's floats, its trust after them */
+    int   at[GUIDE_MAPS];       /* of its masses in a pixel's floats, moments after them */
     int   room[GUIDE_MAPS];     /* of its inverted table in a guide's */
     int   floats, rooms;        /* of a pixel; of all tables */
     int   bounces;

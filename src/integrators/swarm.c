@@ -18,7 +18,8 @@
  *             itself, whatever the one before has found; so is their mean by count of samples,
  *             which the film makes, and early passes, the noisy ones, are the shortest.
  * Departs     Maps are kept as they are, not inverted: see learned.h. A pixel whose samples were
- *             all black passes its maps on as they came. World maps are trusted by and by.
+ *             all black passes its maps on as they came. Maps are used where they are of
+ *             use: see guide.h.
  * Windows     The pixels of a window are not those of the whole picture: they have had other
  *             neighbours. */
 #include "base/mem.h"

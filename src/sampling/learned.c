@@ -38,6 +38,11 @@ void learned_add(float *worth, LearnedShape s, V2 place, float value)
         add_to_row(worth + k * s.w, s, x, value);
 }
 
+float learned_density(const float *map, LearnedShape s, V2 place)
+{
+    return map[cell_of(place.y, s.h) * s.w + cell_of(place.x, s.w)] * (float)learned_cells(s);
+}
+
 /* In eight sums side by side, so that compilers may keep them in lanes: the same everywhere. */
 static double sum_of(const float *a, int n)
 {
@@ -96,24 +101,26 @@ void learned_mean(float *mean, const float *const *of, int n, int cells)
 
 /* ---- inverted ---- */
 
-static void running_sums(float *sum, const float *mass, int n)
+static void running_sums(float *sum, const float *mass, int n, float part, float even)
 {
     float x = 0.0f;
 
     sum[0] = 0.0f;
     for (int i = 0; i < n; i++)
-        sum[i + 1] = x += mass[i];
+        sum[i + 1] = x += part * mass[i] + even;
 }
 
-void inverted_make(Inverted *t, LearnedShape s, const float *map, float *room)
+void inverted_make(Inverted *t, LearnedShape s, const float *map, float part, float *room)
 {
+    float even = (1.0f - part) / (float)learned_cells(s);
+
     t->shape = s;
     t->row = room;
     t->cell = room + s.h + 1;
     t->row[0] = 0.0f;
     for (int y = 0; y < s.h; y++) {
         float *sum = t->cell + y * (s.w + 1);
-        running_sums(sum, map + y * s.w, s.w);
+        running_sums(sum, map + y * s.w, s.w, part, even);
         t->row[y + 1] = t->row[y] + sum[s.w];
     }
 }

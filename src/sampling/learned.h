@@ -35,6 +35,8 @@ void learned_add(float *worth, LearnedShape s, V2 place, float value);
  * is 0 everywhere, and the map is left as it is. */
 bool learned_merge(float *map, const float *worth, int cells, float constant);
 void learned_uniform(float *map, int cells);
+/* The density of a map at a place, not inverted. */
+float learned_density(const float *map, LearnedShape s, V2 place);
 
 /* mean[i] of n arrays, n >= 1. */
 void learned_mean(float *mean, const float *const *of, int n, int cells);
@@ -51,8 +53,8 @@ typedef struct {
 } Inverted;
 
 INLINE int inverted_size(LearnedShape s) { return s.h + 1 + s.h * (s.w + 1); }
-/* room: inverted_size() floats. */
-void  inverted_make(Inverted *t, LearnedShape s, const float *map, float *room);
+/* Of `part` of the map, the remainder being even. room: inverted_size() floats. */
+void  inverted_make(Inverted *t, LearnedShape s, const float *map, float part, float *room);
 /* u warped to the density, in multiples of 2^-24 as samplers give them; *density of the place. */
 V2    inverted_sample(const Inverted *t, V2 u, float *density);
 float inverted_density(const Inverted *t, V2 place);
