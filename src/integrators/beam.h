@@ -9,7 +9,8 @@
 typedef struct {
     Ray   ray;
     Rgb   throughput;           /* what of the light along the ray gets to the eye */
-    float eta2;                 /* product of squared index ratios: the scale of radiance */
+    float eta2;                 /* product of squared index ratios, the scale of radiance; and of
+                                 * how much more often a guide takes such ways */
     float way;                  /* from the eye, by delta events only; below 0: there were others */
     int   depth;                /* scattering events so far */
     uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
@@ -81,6 +82,7 @@ INLINE bool forks_next(Forks *f, Beam *b)
 }
 
 /* How much of a unit of energy is left, whatever the index it is in. */
+/* How much of a unit of energy is left, whatever the index it is in, and whoever led it here. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
 
 /* Russian roulette: beyond so many events a beam goes on with the probability of its strength.

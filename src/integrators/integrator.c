@@ -6,6 +6,7 @@
 
 #define INTEGRATORS(X)                                                         \
     X(path)                     /* eye paths */                                \
+    X(swarm)                    /* the same, guided by what pixels learn */    \
     X(whitted)                  /* trees of mirror images, no noise */         \
     X(distributed)              /* blur and gloss, no indirect diffuse light */ \
     X(ao)                       /* how open the surroundings are */            \
