@@ -36,7 +36,7 @@ static void add_tank(Lab *l)
 {
     Medium air = { "", { 0.05f, 0.02f, 0.01f }, { 0, 0, 0 }, 0 },
            water = { "", { 0.5f, 0.3f, 0.2f }, { 0, 0, 0 }, 0 };
-    uint32_t around, within, ball;
+    uint32_t around = 0, within = 0, ball;
     Shape *s;
 
     REQUIRE(scene_add_medium(l->scene, &air, &around) &&
