@@ -120,7 +120,7 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
     double error = film_error(f);
 
     number_print_fixed(e, error, 4);
-    if (denoising_any(&l->outputs.denoising))
+    if (l->outputs.n && denoising_any(&l->outputs.denoising))
         note("%s: filtered, and so biased: it is no longer a mean of samples",
              l->outputs.pictures[0]);
     note("%s%s: %.1f samples a pixel in %s, %.2f Mrays/s, %.2f Mpaths a CPU-second, "
