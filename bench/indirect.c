@@ -152,9 +152,9 @@ void bench_indirect(void)
 
 /* ---- a sheet ---- */
 
-enum { WIDE = 300, COLUMNS = 4, METHODS_MOST = 64, SAMPLES = 64 };
+enum { WIDE = 240, COLUMNS = 4, METHODS_MOST = 64, SAMPLES = 16 };
 
-/* In the order of the list. Photons that fly about until the lens counts them get more time. */
+/* In the order of the list. */
 void bench_methods(void)
 {
     static Image im[METHODS_MOST];
