@@ -68,7 +68,10 @@ typedef struct { Beam waiting[FORKED * BSDF_DELTAS]; int n; } Forks;    /* {.n =
 
 /* Puts the deltas of the vertex by. False: there are none, or chance has to choose. */
 bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t);
-/* The next of those. False: there is none left. */
+/* Roulette where there are forks, whose strength is what they bring: as long as a beam has met
+ * nothing but deltas, it lasts while it is not weak. False: it ends. */
+bool beam_lasts(Beam *b, int roulette, Tracer *t);
+/* The next fork. False: there is none left. */
 INLINE bool forks_next(Forks *f, Beam *b)
 {
     if (!f->n)
