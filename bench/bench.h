@@ -21,6 +21,7 @@ void bench_direct(void);        /* figure 4.10 of the document, many lights, equ
 void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
 void bench_bias(void);          /* what says that it is biased: by how much */
+void bench_bidirectional(void); /* paths from both ends, after equal time */
 void bench_photons(void);       /* a million photons; neighbours; passes of sppm */
 void bench_indirect(void);      /* caches and photons against paths, after equal time */
 void bench_methods(void);       /* the three spheres by every method, on one sheet */
@@ -33,6 +34,10 @@ void bench_pssmlt(void);        /* chains of samples against samples alone */
 void bench_denoise(void);       /* noise filters: error at 16 samples, pictures side by side */
 void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated jittering */
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
+void bench_moves_speed(void);   /* mutations a CPU-second */
+void bench_moves_error(void);   /* chains of paths against the peers */
+void bench_moves_figures(void); /* figures 7.29, 8.10, 8.11, 8.13 to 8.15 of the document */
+void bench_swarm(void);         /* table 9.2 of [Cline07]: learned maps, and what they cost */
 void bench_samplers(void);      /* which sampler wins, scene by scene */
 
 /* Renders a scene file as the request says, its seed too: the picture, or the first extra picture

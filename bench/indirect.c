@@ -152,9 +152,9 @@ void bench_indirect(void)
 
 /* ---- a sheet ---- */
 
-enum { WIDE = 300, COLUMNS = 4, METHODS_MOST = 64, SAMPLES = 64 };
+enum { WIDE = 240, HIGH = 160, COLUMNS = 4, METHODS_MOST = 64, SAMPLES = 16 };
 
-/* In the order of the list. Photons that fly about until the lens counts them get more time. */
+/* In the order of the list. */
 void bench_methods(void)
 {
     static Image im[METHODS_MOST];
@@ -162,16 +162,22 @@ void bench_methods(void)
 
     for (size_t k = 0; kind_info(integrators, k) && n < METHODS_MOST; k++) {
         const char *name = kind_info(integrators, k)->name;
+        RenderRequest q;
         RenderReport r;
-        if (!bench_render("scenes/three-spheres.pbrt", name, NULL, WIDE, SAMPLES, processors(), 1,
-                          &im[n], &r))
+        memset(&q, 0, sizeof q);
+        q.integrator = name;
+        q.w = WIDE;
+        q.h = HIGH;
+        q.spp = SAMPLES;
+        q.threads = processors();
+        if (!bench_picture("scenes/three-spheres.pbrt", &q, &im[n], &r))
             break;
         n++;
         printf("methods\t%lu\t%s\tspp %.0f\tCPU-seconds %.1f\n", (unsigned long)n, name, r.spp,
                r.cpu_seconds);
         fflush(stdout);
     }
-    if (n && sheet_of(im, n, COLUMNS, WIDE, WIDE, "three-spheres.png"))
+    if (n && sheet_of(im, n, COLUMNS, WIDE, HIGH, "three-spheres.png"))
         printf("methods\tthree-spheres.png has them in rows of %d\n", COLUMNS);
     for (uint32_t k = 0; k < n; k++)
         image_clear(&im[k]);

@@ -20,8 +20,12 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "patterns", bench_patterns }, { "samplers", bench_samplers },
     { "direct", bench_direct }, { "twostage", bench_twostage },
     { "twostage cost", bench_twostage_cost }, { "triple", bench_triple },
+    { "swarm", bench_swarm },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
     { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
+    { "bidirectional", bench_bidirectional },
+    { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
+    { "moves figures", bench_moves_figures },
 };
 
 static void machine(void)

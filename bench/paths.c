@@ -95,6 +95,8 @@ void bench_paths(void)
     throughput("scenes/s5.pbrt", "path", "zerotwo", "beside the next");
     throughput("scenes/s5.pbrt", "sppm", "zerotwo", "a path of the eye and a photon's: asked for "
                "half of the above");
+    throughput("scenes/s5.pbrt", "bdpt:roulette=1", "random", "asked 0.6; peer: SmallVCM 0.30");
+    throughput("scenes/s5.pbrt", "vcm:roulette=1", "random", "asked 0.5; peer: SmallVCM 0.24");
     throughput("scenes/s4.pbrt", "path:maxdepth=9", "zerotwo", "");
     throughput("scenes/cornell.pbrt", "path:maxdepth=12", "zerotwo", "");
 }

@@ -1,7 +1,7 @@
 /* pssmlt.c -- chains of samples against the samples alone: error at equal time, and speed.
  *
  * Error       relMSE against two independent references, whose noise falls out (paired_relmse);
- *             the CPU time of each run is what was asked for, but for a few per cent, to which
+ *             the CPU time of each run is what was asked for, but for a tenth, to which
  *             the figure is scaled. `worst` is the largest share of the error that a pixel has:
  *             near 1, it rules the picture.
  * References  By a method that finds all the light of the scene, of several times the time. */
@@ -31,7 +31,7 @@ static bool picture(const Field *f, const char *method, uint32_t spp, uint64_t s
 static bool timed(const Field *f, const char *method, double seconds, uint64_t seed, Image *im,
                   RenderReport *r)
 {
-    enum { TRIAL = 4 };
+    enum { TRIAL = 16 };
 
     return picture(f, method, TRIAL, seed, NULL, r) &&
            picture(f, method, (uint32_t)d_max(1, TRIAL * seconds / r->cpu_seconds + 0.5), seed, im,

@@ -44,7 +44,8 @@ bool sheet_of(const Image *im, uint32_t n, uint32_t columns, uint32_t w, uint32_
                          (n + columns - 1) / columns * (h + RIM) + RIM);
 
     for (uint32_t k = 0; ok && k < n; k++)
-        sheet_paste(&all, &im[k], RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM), w, h);
+        sheet_paste(&all, &im[k], RIM + k % columns * (w + RIM), RIM + k / columns * (h + RIM),
+                    w, h);
     ok = ok && image_write(&all, file, &display);
     image_clear(&all);
     return ok;

@@ -14,6 +14,8 @@
     { "integrator/bpm", 0x34D6A87577ADCB69 },
     { "integrator/vcm", 0x39E6EEF4975A393F },
     { "integrator/pssmlt", 0x570045191DEB04C5 },
+    { "integrator/mlt", 0x568ABC491B452727 },
+    { "integrator/erpt", 0xAC5F18FE50A164A9 },
     { "integrator/irradiancecache", 0x521B38F4E5C99AFC },
     { "integrator/radiancecache", 0x521B38F4E5C99AFC },
     { "sampler/random", 0x2D148ACFC6214E26 },

@@ -504,7 +504,8 @@ static void tank_vcm(void) { tank_by("vcm:share=0.001", 16); }
 /* A closed one, where most of the light has been scattered more than once. */
 static void room(void)
 {
-    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.002", "bpm:share=0.01" };
+    static const char *const methods[] = { "bdpt:weights=power", "vcm:share=0.002",
+                                           "bpm:share=0.01" };
 
     for (size_t i = 0; i < 3; i++) {
         Mesh walls;

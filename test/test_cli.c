@@ -281,7 +281,7 @@ static void wrong_settings(void)
         { "tiny.pbrt --quiet --integrator light --aov edges=x.pfm",
           "--aov edges wants samples that are a pixel's own, light has others" },
         { "tiny.pbrt --quiet --aov strategy:both=x.pfm",
-          "--aov strategy:NAME takes implicit, explicit, lens or merge" },
+          "--aov strategy:NAME takes implicit, explicit, lens, merge or connect" },
         { "tiny.pbrt --quiet --aov depth=x.foo", "x.foo: no image is written with the extension "
           "'foo', one of these was expected: {written}" },
     };

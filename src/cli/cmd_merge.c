@@ -1,21 +1,20 @@
 /* cmd_merge.c -- the command `merge`: shares of a render, added up. */
 #include "base/number.h"
 #include "cli/args.h"
+#include "cli/displayargs.h"
 #include "cli/outputs.h"
 #include "cli/sceneargs.h"
 #include "render/merge.h"
 
 enum {
-    ARG_OUTPUT, ARG_AOV, ARG_TONEMAP, ARG_EXPOSURE, ARG_UNCOMPRESSED, ARG_QUIET, ARG_STRICT,
+    ARG_OUTPUT, ARG_AOV, ARG_DISPLAY, ARG_QUIET = ARG_DISPLAY + DISPLAY_ARGS_N, ARG_STRICT,
     ARG_MAX_PIXELS, ARG_MAX_MEMORY, ARG_MAX_FILE
 };
 
 static const ArgDef args[] = {
     { "-o", "FILE", "picture to write; the extension picks the format; may be given again" },
     { "--aov", "NAME=FILE", "extra picture, that the parts were rendered with" },
-    { "--tonemap", "NAME", "for display formats; see list tonemaps" },
-    { "--exposure", "STOPS", "for display formats: factor 2^STOPS" },
-    { "--uncompressed", NULL, ".exr files are not packed" },
+    DISPLAY_ARGS,
     { "--quiet", NULL, "no summary" },
     { "--strict", NULL, "warnings are errors: a part that is missing" },
     { "--max-pixels", "N", "of the picture; default 268435456" },
@@ -31,6 +30,7 @@ typedef struct {
     int naovs;
     Outputs outputs;
     ReadLimits limits;
+    Arena arena;                /* of options */
 } Line;
 
 static bool set(void *ctx, int k, const char *value)
@@ -38,8 +38,10 @@ static bool set(void *ctx, int k, const char *value)
     static const SceneArg shared[] = { SCENE_QUIET, SCENE_STRICT, SCENE_MAX_PIXELS,
                                        SCENE_MAX_MEMORY, SCENE_MAX_FILE };
     Line *l = ctx;
-    double x = 0;
 
+    if (k >= ARG_DISPLAY && k < ARG_QUIET)
+        return display_arg_set((DisplayArg)(k - ARG_DISPLAY), value, &l->outputs.display,
+                               &l->arena);
     switch (k) {
     case -1:
         l->parts[l->nparts++] = (char *)value;
@@ -49,16 +51,6 @@ static bool set(void *ctx, int k, const char *value)
         if (l->naovs == AOVS_ASKED)
             return err_usage("at most %d --aov are possible", AOVS_ASKED);
         l->aovs[l->naovs++] = value;
-        return true;
-    case ARG_UNCOMPRESSED: l->outputs.display.uncompressed = true; return true;
-    case ARG_TONEMAP:
-        l->outputs.display.tonemap = kind_find_at((Place){ NULL, 0, 0 }, tonemaps, "tone mapper",
-                                                  value);
-        return l->outputs.display.tonemap != NULL;
-    case ARG_EXPOSURE:
-        if (!arg_number("--exposure", value, -100, 100, &x))
-            return false;
-        l->outputs.display.exposure = (float)x;
         return true;
     default: return scene_arg_set(shared[k - ARG_QUIET], value, NULL, &l->limits);
     }
@@ -115,14 +107,12 @@ static int run(int argc, char **argv)
 
     l.parts = argv;
     l.limits = limits;
-    if (!args_parse(&command_merge, argc, argv, set, &l))
-        return failed_status();
-    if (!l.nparts || (!l.outputs.n && !l.naovs)) {
-        err_usage("merge takes parts (.part) and -o, the picture to write; see rushlight help "
-                  "merge");
-        return STATUS_USAGE;
-    }
-    ok = merge(&l, &m);
+    ok = args_parse(&command_merge, argc, argv, set, &l);
+    if (ok && (!l.nparts || (!l.outputs.n && !l.naovs)))
+        ok = err_usage("merge takes parts (.part) and -o, the picture to write; see rushlight "
+                       "help merge");
+    ok = ok && merge(&l, &m);
     merge_clear(&m);
+    arena_clear(&l.arena);
     return ok ? STATUS_OK : failed_status();
 }

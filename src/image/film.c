@@ -209,7 +209,7 @@ static Rgb value_of(const Film *f, int layer, size_t pixel)
     Rgb c = { (float)(exact_value(&s[0]) / count), (float)(exact_value(&s[1]) / count),
               (float)(exact_value(&s[2]) / count) };
 
-    return f->splats ? rgb_add(c, splats_mean(f->splats, at)) : c;
+    return f->splats ? rgb_add(c, splats_mean(f->splats, at, pixel)) : c;
 }
 
 void film_picture(const Film *f, int layer, Image *im)

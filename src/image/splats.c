@@ -41,6 +41,7 @@ void splats_free(Splats *s)
         if (s->lock[k].made)
             pthread_mutex_destroy(&s->lock[k].mutex);
     mem_free(s->lock);
+    mem_free(s->gain);
     mem_free(s->sums);
     mem_free(s);
 }
@@ -101,9 +102,15 @@ void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c)
         }
 }
 
-Rgb splats_mean(const Splats *s, size_t sum)
+void film_multiply_splats(Film *f, float *gain)
 {
-    double n = s->shots ? (double)s->shots : 1.0;
+    mem_free(f->splats->gain);
+    f->splats->gain = gain;
+}
+
+Rgb splats_mean(const Splats *s, size_t sum, size_t pixel)
+{
+    double n = (s->shots ? (double)s->shots : 1.0) / (s->gain ? (double)s->gain[pixel] : 1.0);
     const Exact *e = s->sums + sum * 3;
 
     return rgb((float)(exact_value(&e[0]) / n), (float)(exact_value(&e[1]) / n),

@@ -17,6 +17,7 @@
 struct Splats {
     Exact   *sums;                      /* owned: [layer][pixel][3] */
     uint64_t shots;
+    float   *gain;                      /* owned: of each pixel, or NULL: 1 */
     struct SplatLock *lock;             /* owned */
 };
 
@@ -31,6 +32,10 @@ void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c)
 /* So many shots more. By one thread at a time, while none splats. */
 void film_shots(Film *f, uint64_t n);
 
+/* From now on the mean of each pixel's splats is multiplied by its gain, an array that is the
+ * film's then: for filters of noise. */
+void film_multiply_splats(Film *f, float *gain);
+
 /* ---- for film.c and filmstate.c; n: numbers of `sums` ---- */
 
 void splats_save(const Splats *s, size_t n, Saving *to);
@@ -38,7 +43,8 @@ void splats_load(Splats *s, size_t n, Loading *from);
 void splats_join(Splats *s, const Splats *other, size_t n);
 
 void splats_free(Splats *s);                            /* s may be NULL */
-Rgb  splats_mean(const Splats *s, size_t sum);          /* of sums 3 sum .. 3 sum + 2 */
+/* Of sums 3 sum .. 3 sum + 2, which are those of the pixel. */
+Rgb  splats_mean(const Splats *s, size_t sum, size_t pixel);
 uint64_t splats_refused(const Splats *s, uint32_t *x, uint32_t *y);
 
 #endif

@@ -50,10 +50,10 @@ bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t)
     return !rgb_black(b->throughput);
 }
 
-/* The chance that a fork is taken; its weight follows. */
+/* By chance if it is weak: less than half of what glass reflects from the front. */
 static bool is_taken(Beam *b, Tracer *t)
 {
-    const float weak = 0.02f;   /* half of what glass reflects from the front */
+    const float weak = 0.02f;
     float q = beam_strength(b) / weak;
 
     if (!(q > 0.0f) || q >= 1.0f)
@@ -62,6 +62,11 @@ static bool is_taken(Beam *b, Tracer *t)
         return false;
     b->throughput = rgb_scale(b->throughput, 1.0f / q);
     return true;
+}
+
+bool beam_lasts(Beam *b, int roulette, Tracer *t)
+{
+    return b->way < 0.0f ? beam_survives(b, roulette, t) : is_taken(b, t);
 }
 
 bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t)

@@ -9,7 +9,8 @@
 typedef struct {
     Ray   ray;
     Rgb   throughput;           /* what of the light along the ray gets to the eye */
-    float eta2;                 /* product of squared index ratios: the scale of radiance */
+    float eta2;                 /* product of squared index ratios, the scale of radiance; and of
+                                 * how much more often a guide takes such ways */
     float way;                  /* from the eye, by delta events only; below 0: there were others */
     int   depth;                /* scattering events so far */
     uint32_t medium;            /* that the ray starts in, or NO_MEDIUM */
@@ -68,7 +69,10 @@ typedef struct { Beam waiting[FORKED * BSDF_DELTAS]; int n; } Forks;    /* {.n =
 
 /* Puts the deltas of the vertex by. False: there are none, or chance has to choose. */
 bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t);
-/* The next of those. False: there is none left. */
+/* Roulette where there are forks, whose strength is what they bring: as long as a beam has met
+ * nothing but deltas, it lasts while it is not weak. False: it ends. */
+bool beam_lasts(Beam *b, int roulette, Tracer *t);
+/* The next fork. False: there is none left. */
 INLINE bool forks_next(Forks *f, Beam *b)
 {
     if (!f->n)
@@ -78,6 +82,7 @@ INLINE bool forks_next(Forks *f, Beam *b)
 }
 
 /* How much of a unit of energy is left, whatever the index it is in. */
+/* How much of a unit of energy is left, whatever the index it is in, and whoever led it here. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
 
 /* Russian roulette: beyond so many events a beam goes on with the probability of its strength.

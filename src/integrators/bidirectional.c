@@ -220,7 +220,7 @@ static Eye eye_begin(const Bidirectional *b, const Ray *r)
     return e;
 }
 
-/* c, which a technique brings without its weight, as it counts: of so many vertices from the lamp. */
+/* As it counts: c, what a technique of so many lamp vertices brings without its weight. */
 static Rgb weighed(const Bidirectional *b, const Eye *e, Rivals r, Rgb c, int vertices, Tracer *t)
 {
     static const Strategy strategy[] = { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_CONNECT };

@@ -231,7 +231,7 @@ static bool goes_on(const Radiosity *it, Eye *e, const Vertex *v, float share, T
     e->from = v->s.p;
     e->n = v->s.ng;
     beam_turn(&e->beam, v, &bs);
-    return beam_survives(&e->beam, it->roulette, t);
+    return beam_lasts(&e->beam, it->roulette, t);
 }
 
 /* Whether it forks at the vertex: not where it could also go on by an event that is no delta. */

@@ -6,6 +6,7 @@
 
 #define INTEGRATORS(X)                                                         \
     X(path)                     /* eye paths */                                \
+    X(swarm)                    /* the same, guided by what pixels learn */    \
     X(whitted)                  /* trees of mirror images, no noise */         \
     X(distributed)              /* blur and gloss, no indirect diffuse light */ \
     X(ao)                       /* how open the surroundings are */            \
@@ -21,7 +22,9 @@
     X(bdpt)                     /* paths from both ends, connected */          \
     X(bpm)                      /* the same, merged */                         \
     X(vcm)                      /* both */                                     \
-    X(pssmlt)                   /* chains of the numbers paths are made of */
+    X(pssmlt)                   /* chains of the numbers paths are made of */  \
+    X(mlt)                      /* chains of paths */                          \
+    X(erpt)                     /* samples spread by such chains */
 #define DECLARE(name) extern const IntegratorKind integrator_##name;
 #define ENTRY(name) &integrator_##name,
 INTEGRATORS(DECLARE)

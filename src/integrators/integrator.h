@@ -77,9 +77,10 @@ typedef struct {
 /* A way of making paths: so many edges from the eye, so many from a lamp; between the two another,
  * unless it is the eye's path that meets the lamp. */
 typedef struct { int eye, light; bool met; } Technique;
+typedef struct Guide Guide;
 
 /* One worker's tools. */
-typedef struct {
+typedef struct Tracer {
     const Scene *scene;         /* borrowed */
     Sampler  sampler;
     uint64_t rays;              /* cast so far, for progress */
@@ -93,7 +94,27 @@ typedef struct {
     bool     kept;              /* which the film takes: then no other worker is in its tile */
     float    moment;            /* time of all rays of the pass, if these have a `moment` */
     bool     failed;            /* a unit ran out of memory, reported: the render ends */
+    Guide   *guide;             /* borrowed: has learned what paths had better do, see guide.h;
+                                 * NULL: nobody has */
 } Tracer;
+
+/* Takes sample `index` of pixel (x, y), adds it to the film if it shall be kept, and returns its
+ * luminance, 0 for one that the film refuses. */
+typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index,
+                            bool keep);
+/* Whether the render shall end as soon as the picture is whole. */
+typedef bool (*IsLate)(void *ctx);
+
+#define UNIT_DONE UINT32_MAX
+
+/* Who takes the samples: the driver, for one worker. */
+typedef struct {
+    TakeSample take;
+    IsLate  late;
+    void   *ctx;
+    Tracer *tracer;
+    uint32_t *done;             /* pixels of the unit that are behind, UNIT_DONE when all are */
+} Taker;
 
 INLINE bool tracer_nearest(Tracer *t, const Ray *r, Hit *h)
 {
@@ -228,6 +249,16 @@ typedef struct {
      * be kept: a tile of the film is one worker's at a time, and its samples have an order. NULL:
      * phases are all there is. */
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
+
+    /* For methods that learn from pixel to pixel: they choose the order of a pass's samples. `walk`
+     * takes numbers first .. first + n - 1 of all pixels of a unit; no two units share a tile of
+     * the film. `batch` is n of a pass, spp being what is planned in all, 0 if that is not known.
+     * NULL: the driver goes from tile to tile. */
+    uint32_t (*walks)(const Integrator *it, const Film *f);
+    void (*walk)(Integrator *it, const Film *f, uint32_t unit, uint32_t first, uint32_t n,
+                 const Taker *taker);
+    uint32_t (*batch)(const Integrator *it, uint32_t first, uint32_t spp);
+
     /* Tracers have a canvas. Whoever splats counts shots, too. */
     bool splats;
     bool singles;               /* it can make paths by one technique alone, Tracer.only */
@@ -242,6 +273,8 @@ typedef struct {
     uint32_t (*moment)(const Integrator *it, uint32_t pass);
     uint64_t (*units)(Integrator *it, const Film *f, uint32_t pass, int phase);
     void (*run)(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
+    /* After the last pass. NULL: nothing. False: reported. */
+    bool (*finish)(Integrator *it, Film *f);
 
     /* What lasts from pass to pass beside the film, into a file and back, so that a render can go
      * on another day. NULL: nothing does. It is asked for when no unit runs, between passes or amid
@@ -260,10 +293,10 @@ typedef struct {
 } IntegratorKind;
 
 /* Whether pixels may have different counts of samples, and whether these say how noisy the picture
- * is: not where a pass is one thing, or light comes from elsewhere. */
+ * is: not where a pass is one thing, or light or knowledge comes from elsewhere. */
 INLINE bool integrator_adapts(const IntegratorKind *k)
 {
-    return k->radiance && !k->splats && !k->anew;
+    return k->radiance && !k->splats && !k->anew && !k->walk;
 }
 
 struct Integrator {             /* first member of every concrete one */

@@ -9,6 +9,7 @@
  *             paths count only where there was none to make: after delta events. Or the sky has a
  *             connection of its own at each vertex, see twostage.h, and so have lamps with
  *             pictures: they are met only after delta events; other lights go by both ways then.
+ *             What a guide has learned may have a say in all decisions, see guide.h and swarm.c.
  * Where       implicit paths: [Cline07 fig. 7.5]; explicit: [Cline07 fig. 7.6]; p_length: roulette
  * Invariants  throughput = product of f |cos| / pdf_w / roulette so far, so an implicit path adds
  *             throughput * Le. E[radiance] = L for every strategy that can find the light.
@@ -18,6 +19,7 @@
  * Read first  integrator.h, then lightsampling/power.c and bsdf/diffuse.c. */
 #include "base/mem.h"
 #include "integrators/glints.h"
+#include "integrators/guide.h"
 #include "integrators/lighting.h"
 #include "integrators/twostage.h"
 
@@ -54,7 +56,8 @@ static float heuristic(const Path *it, float a, float b)
 }
 
 /* Weight of an implicit path that ends on light l, met along the last direction. */
-static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit)
+static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit,
+                             const Tracer *t)
 {
     float pdf;
 
@@ -64,8 +67,10 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
         return 1.0f;
     if (it->ways == EXPLICIT || (it->maps && twostage_asks(&it->two, l)))
         return 0.0f;
-    pdf = it->lights->kind->pmf(it->lights, e->p, e->n, l) *
-          light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
+    pdf = LIKELY(!t->guide) ? it->lights->kind->pmf(it->lights, e->p, e->n, l)
+                            : guide_light_pmf(t->guide, it->lights, e->p, e->n, l) *
+                              guide_point_pdf(t->guide, l, it->lighting.beside, e->beam.ray.d);
+    pdf *= light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
     return heuristic(it, e->pdf_w, pdf);
 }
 
@@ -76,7 +81,7 @@ static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Su
 
     if (rgb_black(L))
         return L;
-    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit));
+    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit, t));
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
     return c;
 }
@@ -116,14 +121,24 @@ INLINE const Light *towards_light(const Path *it, const Eye *e, V3 p, V3 n, Trac
     float pmf, left;
     float u = it->base.scene->nlights > 1
                   ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, e->beam.depth)) : 0.0f;
-    const Light *l = it->lights->kind->pick(it->lights, p, n, u, &pmf, &left);
+    const Light *l = LIKELY(!t->guide) ? it->lights->kind->pick(it->lights, p, n, u, &pmf, &left)
+                                       : guide_light(t->guide, it->lights, p, n, u, &pmf);
 
     if (!l || !light_sample(l, it->lighting.beside, p,
                             sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, e->beam.depth)),
                             ls))
         return NULL;
     *pdf = pmf * ls->pdf_w;
+    if (UNLIKELY(t->guide != NULL))
+        guide_points(t->guide, l, it->lighting.beside, ls, pdf);
     return l;
+}
+
+/* Density with which the path goes on from the vertex that way. */
+static float scatter_pdf_w(const Vertex *v, V3 wi, V3 local, const Tracer *t)
+{
+    float pdf_w = vertex_pdf_w(v, local);
+    return LIKELY(!t->guide) ? pdf_w : guide_pdf_w(t->guide, wi, pdf_w);
 }
 
 /* Connects the vertex to one light. False: that would add nothing. */
@@ -141,7 +156,7 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
     if (rgb_black(f_cos))
         return false;
     if (it->ways == MIS && !l->kind->delta)
-        weight = heuristic(it, pdf, vertex_pdf_w(v, local));
+        weight = heuristic(it, pdf, scatter_pdf_w(v, ls.wi, local, t));
     to->c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, f_cos), ls.L), weight / pdf);
     to->ray = shadow_ray(&v->s, &ls);
     to->edges = e->beam.depth + 2;
@@ -242,6 +257,8 @@ static Rgb connection_light(Connection *to, Tracer *t)
     if (!to->known && !tracer_passes(t, &to->ray, to->medium, &to->c))
         return rgb_all(0.0f);
     tracer_tally(t, to->edges, STRATEGY_EXPLICIT, to->c);
+    if (UNLIKELY(t->guide != NULL))
+        guide_connected(t->guide, to->c);
     return to->c;
 }
 
@@ -277,7 +294,8 @@ static bool scatter(const Path *it, Eye *e, const Vertex *v, Tracer *t)
 {
     BsdfSample bs;
 
-    if (!vertex_sample(v, t, e->beam.depth, &bs))
+    if (LIKELY(!t->guide) ? !vertex_sample(v, t, e->beam.depth, &bs)
+                          : !guide_scatters(t->guide, v, t, &e->beam, &bs))
         return false;
     if (bs.pdf_w > 0.0f)
         e->glint = glints_share(&it->glints);
@@ -305,6 +323,47 @@ static bool scatter_in_medium(const Path *it, Eye *e, V3 p, Tracer *t)
     return beam_survives(&e->beam, it->roulette, t);
 }
 
+/* What is decided at one event: both connections first, then their rays: the processor works on the
+ * two side by side. */
+typedef struct {
+    Connection to, sky;
+    bool connects, shows_sky, goes_on;
+} Step;
+
+/* Returns light that needs no more rays. */
+INLINE Rgb step_on_surface(const Path *it, Eye *e, Vertex *v, Tracer *t, Step *s)
+{
+    Rgb sum = rgb_all(0.0f);
+    bool smooth;
+
+    vertex_make(v, it->base.scene, e->beam.ray.d);
+    smooth = vertex_is_smooth(v);
+    if (UNLIKELY(t->guide != NULL))
+        guide_turns(t->guide, &e->beam, smooth);
+    s->connects = it->ways != IMPLICIT && smooth && connect_any(it, e, v, t, &s->to);
+    if (it->glints.n > 1 && smooth)
+        sum = rgb_add(sum, glints(it, e, v, t));
+    s->shows_sky = it->maps && smooth && connect_to_sky(it, e, v, v->s.p, t, &s->sky);
+    if (it->two.nasked && smooth)
+        sum = rgb_add(sum, asked(it, e, v, v->s.p, t));
+    s->goes_on = scatter(it, e, v, t);
+    return sum;
+}
+
+INLINE Rgb step_in_medium(const Path *it, Eye *e, V3 p, Tracer *t, Step *s)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    if (UNLIKELY(t->guide != NULL))
+        guide_turns(t->guide, &e->beam, true);
+    s->connects = it->ways != IMPLICIT && connect_any_in_medium(it, e, p, t, &s->to);
+    s->shows_sky = it->maps && connect_to_sky(it, e, NULL, p, t, &s->sky);
+    if (it->two.nasked)
+        sum = asked(it, e, NULL, p, t);
+    s->goes_on = scatter_in_medium(it, e, p, t);
+    return sum;
+}
+
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Path *it = (const Path *)base;
@@ -312,41 +371,30 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Eye e = { .beam = beam_from_eye(r, scene), .p = r->o, .glint = 1.0f };
     Rgb sum = rgb_all(0.0f);
 
+    if (UNLIKELY(t->guide != NULL))
+        guide_starts(t->guide, &e.beam);
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
-        Connection to, sky;
-        bool connects, shows_sky, goes_on;
+        Step s;
         Event event = beam_flies(&e.beam, &v.s, &p, t);
+        if (UNLIKELY(t->guide != NULL))
+            guide_flies(t->guide, &e.beam, sum);
         if (event == ESCAPES)
             return rgb_add(sum, implicit_sky(it, &e, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
             sum = rgb_add(sum, implicit_light(it, &e, scene_light_of(scene, &v.s), &v.s, t));
         if (e.beam.depth >= it->maxdepth)
             return sum;
-        /* Both decisions first, then the rays: the processor works on the two side by side. */
-        if (event == ARRIVES) {
-            vertex_make(&v, scene, e.beam.ray.d);
-            connects = it->ways != IMPLICIT && vertex_is_smooth(&v) &&
-                       connect_any(it, &e, &v, t, &to);
-            if (it->glints.n > 1 && vertex_is_smooth(&v))
-                sum = rgb_add(sum, glints(it, &e, &v, t));
-            shows_sky = it->maps && vertex_is_smooth(&v) && connect_to_sky(it, &e, &v, p, t, &sky);
-            if (it->two.nasked && vertex_is_smooth(&v))
-                sum = rgb_add(sum, asked(it, &e, &v, p, t));
-            goes_on = scatter(it, &e, &v, t);
-        } else {
-            connects = it->ways != IMPLICIT && connect_any_in_medium(it, &e, p, t, &to);
-            shows_sky = it->maps && connect_to_sky(it, &e, NULL, p, t, &sky);
-            if (it->two.nasked)
-                sum = rgb_add(sum, asked(it, &e, NULL, p, t));
-            goes_on = scatter_in_medium(it, &e, p, t);
-        }
-        if (connects)
-            sum = rgb_add(sum, connection_light(&to, t));
-        if (shows_sky)
-            sum = rgb_add(sum, connection_light(&sky, t));
-        if (!goes_on)
+        sum = rgb_add(sum, event == ARRIVES ? step_on_surface(it, &e, &v, t, &s)
+                                            : step_in_medium(it, &e, p, t, &s));
+        if (s.connects)
+            sum = rgb_add(sum, connection_light(&s.to, t));
+        if (s.shows_sky)
+            sum = rgb_add(sum, connection_light(&s.sky, t));
+        if (UNLIKELY(t->guide != NULL))
+            guide_leaves(t->guide, sum);
+        if (!s.goes_on)
             return sum;
     }
 }

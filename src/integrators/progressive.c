@@ -89,7 +89,7 @@ static bool follow(const Progressive *it, Beam *b, const Vertex *v, bool gathers
         return false;
     *delta = bs.pdf_w == 0.0f;
     beam_turn(b, v, &bs);
-    return !rgb_black(b->throughput) && beam_survives(b, it->roulette, t);
+    return !rgb_black(b->throughput) && beam_lasts(b, it->roulette, t);
 }
 
 /* What is gathered at a vertex, and how much. */

@@ -114,7 +114,7 @@ static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, Forks *forks, Trace
         }
         delta = s.pdf_w == 0.0f;
         beam_turn(b, v, &s);
-        if (!beam_survives(b, it->roulette, t))
+        if (!beam_lasts(b, it->roulette, t))
             break;
         shown = delta && !(b->way < 0.0f && it->maps.caustics.wanted);
         if (!beam_meets(b, &v->s, t))

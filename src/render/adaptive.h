@@ -27,24 +27,6 @@ typedef struct {
     uint32_t keep;              /* those from this one on are not part of the picture */
 } Seen;
 
-/* Takes sample `index` of pixel (x, y), adds it to the film if it shall be kept, and returns its
- * luminance, 0 for one that the film refuses. */
-typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index,
-                            bool keep);
-/* Whether the render shall end as soon as the picture is whole. */
-typedef bool (*IsLate)(void *ctx);
-
-#define UNIT_DONE UINT32_MAX
-
-/* Who takes the samples: the driver, for one worker. */
-typedef struct {
-    TakeSample take;
-    IsLate  late;
-    void   *ctx;
-    Tracer *tracer;
-    uint32_t *done;             /* pixels of the unit that are behind, UNIT_DONE when all are */
-} Taker;
-
 typedef struct {
     KindInfo info;
     Truth truth;

@@ -118,19 +118,24 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
 {
     Job *j = ctx;
     Tracer *t = &j->tracers[worker];
+    Integrator *it = j->integrator;
+    Taker taker;
     uint32_t *done;
 
     unit += j->first_unit;
     done = &j->done[unit];
     if (*done == UNIT_DONE)
         return;
+    taker = (Taker){ camera_sample, is_late, j, t, done };
     if (j->phase == SAMPLES && j->adapts) {
-        Taker taker = { camera_sample, is_late, j, t, done };
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
-    } else if (j->phase == SAMPLES)
+    } else if (j->phase == SAMPLES && !it->kind->walk) {
         camera_tile(j, t, (uint32_t)unit, done);
-    else {
-        run_integrator(j, unit, t);
+    } else {
+        if (j->phase == SAMPLES)
+            it->kind->walk(it, j->film, (uint32_t)unit, j->base + j->first, j->count, &taker);
+        else
+            run_integrator(j, unit, t);
         *done = UNIT_DONE;
     }
 }
@@ -267,7 +272,10 @@ static uint64_t units_of(const Job *j)
 {
     if (j->phase != SAMPLES)
         return j->integrator->kind->units(j->integrator, j->film, pass_number(j), j->phase);
-    return j->adapts ? adaptive_units(&j->adaptive) : film_ntiles(j->film);
+    if (j->adapts)
+        return adaptive_units(&j->adaptive);
+    return j->integrator->kind->walks ? j->integrator->kind->walks(j->integrator, j->film)
+                                      : film_ntiles(j->film);
 }
 
 static void forget_left(Job *j)
@@ -360,6 +368,8 @@ static uint32_t next_count(const Job *j)
     uint32_t spp = j->settings.spp ? j->settings.spp : j->most;
     const RenderWatch *w = j->settings.watch;
 
+    if (k->batch)
+        n = k->batch(j->integrator, j->first, j->settings.spp);
     if (w && j->looked_spp < w->nspp && w->spp[j->looked_spp] < spp)
         spp = w->spp[j->looked_spp];
     return n < spp - j->first ? n : spp - j->first;
@@ -673,6 +683,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
     if (ok) {
         progress_start(&j.progress);
         ok = run(&j);
+        if (ok && j.integrator->kind->finish)
+            ok = j.integrator->kind->finish(j.integrator, film);
         report_now(&j, report);
         progress_end(&j.progress);
         ok = ok && report_refused(film);

@@ -29,6 +29,7 @@ typedef enum {
     DECIDE_BAND,                /* 1-D: the band of the spectrum of a photon */
     DECIDE_PICTURE,             /* 2-D: places on lamps with pictures, by their maps */
     DECIDE_TECHNIQUE,           /* 1-D: in which way a path is made; small steps leave it alone */
+    DECIDE_GUIDE = DECIDE_BAND, /* 1-D: whether a learned map chooses the direction */
     DECIDE_KINDS = 16           /* room for more, a power of two */
 } DecisionKind;
 

@@ -252,6 +252,19 @@ bool table2_sample(const Table2 *t, V2 u, V2 *point, float *pdf)
     return true;
 }
 
+static float number_of(const double *sum, uint32_t n, float x)
+{
+    uint32_t i = cell_of(x, n);
+    double rest = d_min(d_max((double)x * n - i, 0.0), 1.0);
+    return sum[n] > 0.0 ? canonical((sum[i] + rest * (sum[i + 1] - sum[i])) / sum[n]) : 0.0f;
+}
+
+V2 table2_numbers(const Table2 *t, V2 point)
+{
+    return (V2){ number_of(row_of(t, cell_of(point.y, t->h)), t->w, point.x),
+                 number_of(t->row, t->h, point.y) };
+}
+
 float table2_pdf(const Table2 *t, V2 point)
 {
     if (!(table2_total(t) > 0.0))

@@ -71,5 +71,7 @@ double table2_total(const Table2 *t);
 /* pdf is per unit square. The point lies in the cell chosen, also after rounding. */
 bool   table2_sample(const Table2 *t, V2 u, V2 *point, float *pdf);
 float  table2_pdf(const Table2 *t, V2 point);
+/* The numbers for which table2_sample gives the point, but for rounding. */
+V2     table2_numbers(const Table2 *t, V2 point);
 
 #endif

@@ -150,6 +150,16 @@ static float pdf_beside(const Light *base, V3 from, V3 wi, const Surface *hit)
                          : pdf_w(base, from, wi, hit);
 }
 
+static bool numbers(const Light *base, bool beside, V3 wi, V2 *u)
+{
+    const Infinite *l = (const Infinite *)base;
+
+    if (!has_bright(l))
+        return false;
+    *u = panorama_numbers(&l->picture, beside, affine_vector(&l->to_light, wi));
+    return true;
+}
+
 static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
 {
     const Infinite *l = (const Infinite *)base;
@@ -261,6 +271,7 @@ const LightKind light_infinite = {
               "all round: constant, or a picture", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
+    .numbers = numbers,
     .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
     .estimate = estimate, .picture = picture
 };

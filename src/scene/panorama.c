@@ -273,6 +273,13 @@ float panorama_bright_pdf_w(const Panorama *p, V3 d)
     return jacobian > 0.0f ? table2_pdf(&p->bright, q) / jacobian : 0.0f;
 }
 
+V2 panorama_numbers(const Panorama *p, bool bright, V3 d)
+{
+    float jacobian;
+    V2 q = mapping_place(&p->mapping, d, &jacobian);
+    return table2_numbers(bright ? &p->bright : &p->table, q);
+}
+
 /* The cell takes both numbers, as one of 48 bits; what they still hold is cut in two for the place
  * in the cell, of 12 bits a side. Neighbours in u are none in the picture: strata are lost. */
 static bool place_by_alias(const Panorama *p, V2 u, V2 *q, float *pdf)

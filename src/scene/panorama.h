@@ -87,6 +87,9 @@ bool  panorama_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
 /* The same by the second table, if it was made: directions of little light have density 0. */
 float panorama_bright_pdf_w(const Panorama *p, V3 d);
 bool  panorama_bright_sample(const Panorama *p, V2 u, V3 *d, float *pdf_w, Rgb *value);
+/* The numbers by which either gives the direction, but for rounding, where running sums are
+ * inverted. */
+V2    panorama_numbers(const Panorama *p, bool bright, V3 d);
 /* A guess at the irradiance on a surface that looks along n, by luminance; n 0: from all round. The
  * first two bands of spherical harmonics: pi mean + 2 pi moment.n [Ramamoorthi01], but at least a
  * twentieth of what a uniform picture gave. */

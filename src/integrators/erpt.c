@@ -1,0 +1,392 @@
+/* erpt.c -- energy redistribution path tracing: a path tracer whose light is spread over the
+ * picture by chains of moved paths.
+ *
+ * Source      [Cline07 8.3, 8.4, figs 8.5 to 8.7, (8.3) to (8.7); errata 8.1 to 8.6].
+ * Idea        A sample's light is energy at a path. Energy may flow from path to path so long as
+ *             as much flows from x to y as from y to x (8.5): no picture's expectation changes,
+ *             and a spike becomes a smooth patch.
+ * Flow        equal      fig. 8.6: an energy e starts about e / (m e_d) chains of m moves, each of
+ *                        which leaves e_d wherever it is after each move;
+ *             detailed   (8.6): as many moves from the sample alone; each takes its share times q
+ *                        away, what is left stays;
+ *             iterated   the same again from each of the two places, and so on: a tree of about m
+ *                        leaves, where all energy ends.
+ * e_d         is the mean energy of a sample over the moves that a pixel is to have (8.7). Its
+ *             value is free: errors of the mean change the number of moves alone.
+ * q           min(1, F(y) T(y>x) / (F(x) T(x>y))), by mutations.h. F is the measurement, not the
+ *             sampler's estimate, errata 8.3.
+ * Samples     stand one in each pixel's part of the picture, in every pass; each pass by itself is
+ *             right, errata 8.1. All ways to complete a path give samples, weighed against each
+ *             other.
+ * Departs     Of each move of equal flow both ends get their part of e_d, q and 1 - q: the mean
+ *             over the decision. */
+#include "integrators/direct.h"
+#include "integrators/eyepaths.h"
+#include "integrators/mutations.h"
+#include "integrators/proposals.h"
+
+#include "base/mem.h"
+
+typedef enum { FLOW_EQUAL, FLOW_DETAILED, FLOW_ITERATED } Flow;
+
+enum { SAMPLES = 1 << 15, UNITS = 64 };         /* that tell e_d, in so many units */
+enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack */
+
+typedef struct {
+    Integrator base;
+    EyePaths eye;
+    Mutator mutator;
+    LightSampler *lights;       /* owned */
+    Integrator *direct;         /* owned; NULL: direct light is redistributed, too */
+    Flow  flow;
+    int   length;               /* m */
+    int   levels;               /* of a tree with about m leaves */
+    float each;                 /* moves a pixel in a pass */
+    int   repeats;              /* deposits in one pixel in a row that count; 0: all */
+    Proposals *proposals;       /* owned; NULL: not wanted */
+    bool  median;               /* how they are smoothed, and over what square */
+    int   side;
+    uint64_t samples;           /* that tell e_d */
+    double found[UNITS];        /* energy of each unit of them */
+    double deposit;             /* e_d; 0: no light was found */
+    float pixels;               /* of the whole picture */
+    uint32_t x0, y0, w, h;      /* window of the film */
+} Erpt;
+
+/* ---- energy ---- */
+
+/* The luminance that a path brings to the mean of the picture, as a part of a sample. */
+static double energy(const Erpt *it, const LightPath *p, double scale, const Tracer *t)
+{
+    Places where = mutator_places(&it->mutator, t);
+    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->pixels);
+
+    return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
+}
+
+static void deposit(const LightPath *p, double e, Tracer *t)
+{
+    if (e > 0.0)
+        tracer_splat(t, p->pixel, p->edges, STRATEGY_EXPLICIT,
+                     rgb_scale(p->colour, (float)(e / rgb_lum(p->colour))));
+}
+
+/* ---- flow ---- */
+
+/* A path with rooms of its own. */
+typedef struct {
+    LightPath p;
+    Vertex *rooms[LIGHTPATH_MOST], storage[LIGHTPATH_MOST];
+} Roomy;
+
+static void roomy_opens(Roomy *s)
+{
+    for (int i = 0; i < LIGHTPATH_MOST; i++)
+        s->p.v[i].at = s->rooms[i] = &s->storage[i];
+}
+
+/* One move from x by some mutation: q. */
+static double moved(const Erpt *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
+                    Rng *r, Tracer *t)
+{
+    double q = mutation_tried(&it->mutator, x, y, rooms, r, t);
+
+    if (it->proposals && q > 0.0)
+        proposals_add(it->proposals, y->pixel);
+    return q;
+}
+
+/* How often in a row a chain has been in a pixel. */
+typedef struct { int x, y, times; } Stay;
+
+/* Whether what is deposited after one step more still counts, 8.4.4. */
+static bool counts(const Erpt *it, Stay *s, V2 at)
+{
+    int x = (int)at.x, y = (int)at.y;
+
+    s->times = x == s->x && y == s->y ? s->times + 1 : 1;
+    s->x = x;
+    s->y = y;
+    return !it->repeats || s->times <= it->repeats;
+}
+
+/* One chain of fig. 8.6 from x, which it moves; rooms: for what is tried. What is deposited at a
+ * path is added up till it is left. */
+static void chain(const Erpt *it, LightPath *x, Vertex **rooms, Rng *r, Tracer *t)
+{
+    Stay stay = { -1, -1, 0 };
+    double kept = 0.0;
+    LightPath y;
+
+    for (int i = 0; i < it->length; i++) {
+        double q = moved(it, x, &y, rooms, r, t);
+        bool moves = rng_unit(r) < q;
+        double e = counts(it, &stay, moves ? y.pixel : x->pixel) ? it->deposit : 0.0;
+        kept += (1.0 - q) * e;
+        if (moves) {
+            deposit(x, kept, t);
+            path_moves(x, &y, rooms);
+            kept = q * e;
+        } else
+            deposit(&y, q * e, t);
+    }
+    deposit(x, kept, t);
+}
+
+static void flow_equally(const Erpt *it, const LightPath *from, int chains, Rng *r, Tracer *t)
+{
+    Roomy x, y;
+
+    for (int i = 0; i < chains; i++) {
+        roomy_opens(&x);
+        roomy_opens(&y);
+        path_copies(&x.p, from, x.rooms, t->scene);
+        chain(it, &x.p, y.rooms, r, t);
+    }
+}
+
+/* So many parts of the energy e look for another place, each from the sample itself. */
+static void flow_in_detail(const Erpt *it, const LightPath *x, double e, int moves, Rng *r,
+                           Tracer *t)
+{
+    double left = 0.0, part = e / moves;
+    Roomy y;
+
+    roomy_opens(&y);
+    for (int i = 0; i < moves; i++) {
+        double q = moved(it, x, &y.p, y.rooms, r, t);
+        deposit(&y.p, part * q, t);
+        left += part * (1.0 - q);
+    }
+    deposit(x, left, t);
+}
+
+/* What flows to y, and what stays at x, flows on. */
+static void flow_again(const Erpt *it, const LightPath *x, double e, int levels, Rng *r, Tracer *t)
+{
+    Roomy y;
+    double q;
+
+    if (!levels) {
+        deposit(x, e, t);
+        return;
+    }
+    roomy_opens(&y);
+    q = moved(it, x, &y.p, y.rooms, r, t);
+    if (q > 0.0)
+        flow_again(it, &y.p, e * q, levels - 1, r, t);
+    if (q < 1.0)
+        flow_again(it, x, e * (1.0 - q), levels - 1, r, t);
+}
+
+/* ---- samples ---- */
+
+enum { CHAINS_MOST = 1 << 20 };         /* of one sample: beyond, the rest of its energy stays */
+
+static void redistribute(const Erpt *it, const LightPath *p, double e, Rng *r, Tracer *t)
+{
+    double parts = floor(rng_unit(r) + d_min(e / (it->length * it->deposit), CHAINS_MOST));
+    int n = (int)parts;
+
+    if (it->flow == FLOW_EQUAL)
+        flow_equally(it, p, n, r, t);
+    else if (it->flow == FLOW_DETAILED)
+        flow_in_detail(it, p, e, it->length * (n > 1 ? n : 1), r, t);
+    else
+        flow_again(it, p, e, it->levels, r, t);
+}
+
+/* What is done with each path that a sample finds. */
+typedef struct { const Erpt *it; Rng r; double found; } Use;
+
+static void used(void *ctx, const LightPath *p, double scale, Tracer *t)
+{
+    Use *u = ctx;
+    double e = energy(u->it, p, scale, t);
+
+    u->found += e;
+    if (e > 0.0 && u->it->deposit > 0.0)
+        redistribute(u->it, p, e, &u->r, t);
+}
+
+/* A sample from that place of the window, from 0 to 1 across: its energy, which has been
+ * redistributed once e_d is known. */
+static double sample_at(const Erpt *it, float x, float y, Tracer *t)
+{
+    Places where = mutator_places(&it->mutator, t);
+    Use use = { it, { key_with(t->sampler.key, t->sampler.index), 0 }, 0.0 };
+    Roomy s;
+
+    roomy_opens(&s);
+    s.p.pixel = (V2){ where.lo.x + x * where.size.x, where.lo.y + y * where.size.y };
+    eyepath_begins(it->base.scene, &s.p, t);
+    eyepath_traced(&it->eye, &s.p, s.rooms, t, used, &use);
+    return use.found;
+}
+
+static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
+{
+    const Erpt *it = (const Erpt *)base;
+    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
+
+    t->shots++;
+    if (it->deposit > 0.0)
+        (void)sample_at(it, ((float)(t->x - it->x0) + u.x) / (float)it->w,
+                        ((float)(t->y - it->y0) + u.y) / (float)it->h, t);
+    return it->direct ? it->direct->kind->radiance(it->direct, r, t) : rgb_all(0.0f);
+}
+
+/* ---- e_d ---- */
+
+enum { FIND = 0, SETTLE = 1, PHASES = 2 };
+
+/* Phase 1 has no work but this: all units of the one before have ended. */
+static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
+{
+    Erpt *it = (Erpt *)base;
+    double sum = 0.0;
+
+    (void)f, (void)pass;
+    if (phase == FIND)
+        return UNITS;
+    for (int k = 0; k < UNITS; k++)
+        sum += it->found[k];
+    it->deposit = sum / ((double)it->samples * it->each);
+    return 0;
+}
+
+static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t)
+{
+    Erpt *it = (Erpt *)base;
+
+    (void)f, (void)pass, (void)phase;
+    for (uint64_t i = unit; i < it->samples; i += UNITS) {
+        V2 u;
+        sampler_pixel(&t->sampler, UINT32_MAX, 0);
+        sampler_start(&t->sampler, (uint32_t)i);
+        u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
+        it->found[unit] += sample_at(it, u.x, u.y, t);
+    }
+}
+
+/* ---- the integrator ---- */
+
+static bool prepare(Integrator *base, const Film *f, uint64_t seed)
+{
+    Erpt *it = (Erpt *)base;
+
+    (void)seed;
+    mutator_prepare(&it->mutator, f);
+    it->pixels = (float)f->full_w * (float)f->full_h;
+    it->x0 = f->x0;
+    it->y0 = f->y0;
+    it->w = f->w;
+    it->h = f->h;
+    return !it->proposals || proposals_init(it->proposals, f, it->median, it->side);
+}
+
+static bool finish(Integrator *base, Film *f)
+{
+    const Proposals *p = ((const Erpt *)base)->proposals;
+    return !p || proposals_even_out(p, f);
+}
+
+static void close_erpt(Integrator *base)
+{
+    Erpt *it = (Erpt *)base;
+
+    if (it->direct)
+        it->direct->kind->close(it->direct);
+    if (it->proposals)
+        proposals_clear(it->proposals);
+    mem_free(it->proposals);
+    lightsampler_close(it->lights);
+    mem_free(it);
+}
+
+/* False: memory, reported. */
+static bool set_filters(Erpt *it, const Opts *o)
+{
+    bool even = !opt_is(o, "even", "no");
+
+    it->repeats = (int)opt_int(o, "repeats");
+    it->median = opt_is(o, "even", "median");
+    it->side = (int)opt_int(o, "side");
+    if (even)
+        it->proposals = MEM_NEW(Proposals);
+    return !even || it->proposals;
+}
+
+static void set_flow(Erpt *it, const Opts *o)
+{
+    it->flow = opt_is(o, "flow", "equal") ? FLOW_EQUAL
+               : opt_is(o, "flow", "detailed") ? FLOW_DETAILED : FLOW_ITERATED;
+    it->length = (int)opt_int(o, "length");
+    it->each = opt_float(o, "mutations");
+    while (2 << it->levels <= it->length && it->levels < LEVELS_MOST)
+        it->levels++;
+}
+
+static Integrator *open_erpt(const Scene *s, const Opts *o)
+{
+    Erpt *it = MEM_NEW(Erpt);
+    bool direct = opt_bool(o, "direct");
+
+    if (!it)
+        return NULL;
+    it->base.scene = s;
+    mutator_init(&it->mutator, s, o);
+    it->mutator.always_caustic = opt_is(o, "choice", "exclusive");
+    it->samples = SAMPLES;
+    set_flow(it, o);
+    it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
+    it->eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
+                          (int)opt_int(o, "roulette") };
+    it->direct = direct ? direct_open(s, o) : NULL;
+    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "erpt") &&
+        set_filters(it, o))
+        return &it->base;
+    close_erpt(&it->base);
+    return NULL;
+}
+
+static const OptDef options[] = {
+    { .key = "mutations", .type = OPT_FLOAT, .num = 4, .lo = 1e-3, .hi = 1e6,
+      .help = "moves a pixel and sample, about; with flow=iterated: length moves for each path" },
+    { .key = "length", .type = OPT_INT, .num = 100, .lo = 1, .hi = 1e6,
+      .help = "moves of a chain" },
+    { .key = "flow", .type = OPT_CHOICE, .str = "equal", .choices = "detailed iterated equal",
+      .help = "how energy goes from a sample to paths beside it" },
+    { .key = "direct", .type = OPT_BOOL, .num = 1,
+      .help = "direct light is apart, as that of the integrator direct" },
+    { .key = "choice", .type = OPT_CHOICE, .str = "mixed", .choices = "mixed exclusive",
+      .help = "exclusive: caustic perturbations where light comes by delta events, and nowhere "
+              "else, as in the source" },
+    { .key = "repeats", .type = OPT_INT, .num = 0, .lo = 0, .hi = 1e6,
+      .help = "a chain's deposits in one pixel in a row that count, 10 or 20 in the source "
+              "(biased); 0: all" },
+    { .key = "even", .type = OPT_CHOICE, .str = "no", .choices = "no box median",
+      .help = "pixels in which more moves were tried than around them get less, others more "
+              "(biased); by the mean or the median of a square" },
+    { .key = "side", .type = OPT_INT, .num = 7, .lo = 1, .hi = PROPOSALS_SIDE,
+      .help = "of that square, pixels" },
+    MUTATION_OPTIONS(0.1, 0, 9),
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
+      .help = "most scattering events of a path; 0 shows lights only" },
+    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
+      .help = "first scattering event after which a sample may end by chance" },
+    LIGHTING_HEURISTIC,
+    LIGHTING_SKY,
+    LIGHTING_LIGHTSAMPLER,
+    { .key = NULL }
+};
+
+const IntegratorKind integrator_erpt = {
+    .info = { "erpt", "Cline07 8", "samples of a path tracer, spread by chains of moved paths",
+              options },
+    .truth = UNBIASED,
+    .misses = "point and distant lights seen through delta surfaces; light that media scatter; "
+              "with filters of noise (even, repeats) it is biased",
+    .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
+    .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish
+};

@@ -1,0 +1,347 @@
+/* mutations.c -- the code of `mutations.h`. */
+#include "integrators/mutations.h"
+
+/* ---- what a path is like ---- */
+
+static bool is_smooth(const LightPath *p, int i)
+{
+    return i < p->edges && path_vertex_is_smooth(&p->v[i]);
+}
+
+/* The first smooth vertex from i on, or the number of edges: that is the light. */
+static int first_smooth(const LightPath *p, int i)
+{
+    while (i < p->edges && !is_smooth(p, i))
+        i++;
+    return i;
+}
+
+/* The vertex that a mutation from the eye joins to what follows; the number of edges: it goes on to
+ * the light. *chains: directions that it moves on the way. */
+static int joined(const LightPath *p, int *chains)
+{
+    int i = first_smooth(p, 1);
+
+    for (*chains = 0; i < p->edges; ++*chains) {
+        if (i + 1 == p->edges || is_smooth(p, i + 1))
+            return i;
+        i = first_smooth(p, i + 1);
+    }
+    return i;
+}
+
+/* Light may come to vertex i in a moved direction. */
+static bool is_lit(const LightPath *p, int i)
+{
+    const LightKind *k = p->end.light->kind;
+
+    return is_smooth(p, i) && (i == 1 || is_smooth(p, i - 1)) &&
+           (first_smooth(p, i + 1) < p->edges || !(k->infinite || k->delta == DELTA_DIRECTION));
+}
+
+/* How many such there are beyond the first; *at: number `which` of them. */
+static int inner_ones(const LightPath *p, int which, int *at)
+{
+    int n = 0;
+
+    for (int i = 2; i < p->edges; i++)
+        if (is_lit(p, i) && n++ == which)
+            *at = i;
+    return n;
+}
+
+bool mutation_applies(Mutation m, const LightPath *p)
+{
+    int chains, at;
+
+    if (m == MUTATE_CAUSTIC)
+        return is_lit(p, 1);
+    if (m == MUTATE_INNER)
+        return inner_ones(p, 0, &at) > 0;
+    joined(p, &chains);
+    return (chains > 0) == (m == MUTATE_MULTICHAIN);
+}
+
+Move mutation_move(Mutation m, const LightPath *p, float u)
+{
+    Move move = { m, m == MUTATE_CAUSTIC };
+
+    if (m == MUTATE_INNER) {
+        int n = inner_ones(p, 0, &move.at);
+        inner_ones(p, (int)(u * (float)n), &move.at);
+    }
+    return move;
+}
+
+/* L ... S D E: the eye sees light that has come by delta events. */
+static bool is_caustic(const LightPath *p)
+{
+    return is_smooth(p, 1) && 2 < p->edges && !is_smooth(p, 2);
+}
+
+Mutation mutation_chosen(const Mutator *it, const LightPath *p, float u)
+{
+    float share[MUTATIONS], sum = 0.0f;
+
+    if (it->always_caustic && is_caustic(p) && mutation_applies(MUTATE_CAUSTIC, p))
+        return MUTATE_CAUSTIC;
+    for (int m = 0; m < MUTATIONS; m++) {
+        share[m] = (m != MUTATE_CAUSTIC || !it->always_caustic) &&
+                           mutation_applies((Mutation)m, p) ? it->share[m] : 0.0f;
+        sum += share[m];
+    }
+    for (int m = 0; m < MUTATIONS; m++) {
+        if (u * sum < share[m])
+            return (Mutation)m;
+        u -= share[m] / sum;
+    }
+    return MUTATIONS;
+}
+
+/* ---- small moves ---- */
+
+/* Between least and most, uniform by its logarithm. */
+static float by_logarithm(float least, float most, Rng *r)
+{
+    return most * m_exp(-m_log(most / least) * rng_unit(r));
+}
+
+static V2 place_near(const Mutator *it, V2 p, Rng *r)
+{
+    float s, c, far;
+
+    if (it->square > 0.0f) {
+        float x = rng_unit(r) - 0.5f, y = rng_unit(r) - 0.5f;
+        return (V2){ p.x + x * it->square, p.y + y * it->square };
+    }
+    m_sincos_turn(rng_unit(r), &s, &c);
+    far = by_logarithm(it->nearest, it->farthest, r);
+    return (V2){ p.x + far * c, p.y + far * s };
+}
+
+static V3 direction_near(const Mutator *it, V3 d, Rng *r)
+{
+    Frame f = frame_about(d);
+    float s, c, far;
+
+    m_sincos_turn(rng_unit(r), &s, &c);
+    far = by_logarithm(it->least, it->most, r);
+    return v_unit(frame_out(&f, v3(far * c, far * s, 1.0f)));
+}
+
+static bool is_on_picture(const Mutator *it, V2 p, const Tracer *t)
+{
+    Places w = mutator_places(it, t);
+    return p.x >= w.lo.x && p.x < w.lo.x + w.size.x && p.y >= w.lo.y && p.y < w.lo.y + w.size.y;
+}
+
+/* ---- from the eye ---- */
+
+/* The walk meets a light like that of x: on a surface, or the same one beyond the scene. */
+static bool meets_like(const LightPath *x, LightPath *y, Walk *w, Tracer *t)
+{
+    bool beyond = x->end.light->kind->infinite;
+    Surface s;
+
+    if (ray_meets(t, &w->ray, &w->medium, &w->passes, &s))
+        return !beyond && s.shape->light != NO_LIGHT &&
+               path_ends(y, scene_light_of(t->scene, &s), &s, w);
+    return beyond && path_ends(y, x->end.light, NULL, w);
+}
+
+static bool moved_from_eye(const Mutator *it, const LightPath *x, LightPath *y,
+                           Vertex *const *rooms, Rng *r, Tracer *t)
+{
+    int chains, last = joined(x, &chains);
+    Walk w;
+
+    y->pixel = place_near(it, x->pixel, r);
+    if (!is_on_picture(it, y->pixel, t))
+        return false;
+    w = path_leaves_eye(y, it->scene);
+    for (int i = 1; i <= last && i < x->edges; i++) {
+        const PathVertex *v = &x->v[i];
+        if (!path_arrives(y, i, &w, rooms[i], t))
+            return false;
+        if (i == last)
+            return path_joins(y, i) && path_is_clear(y, i, t);
+        if (!(path_vertex_is_smooth(v)
+                  ? path_turns_to(y, i, direction_near(it, v->way, r), &w)
+                  : path_turns_by(y, i, v->event, &w)))
+            return false;
+    }
+    return meets_like(x, y, &w, t);
+}
+
+/* ---- from the light ---- */
+
+/* Leaves vertex `start`, or the end if that is the number of edges, in a moved direction. */
+static Walk leaves_light(const Mutator *it, const LightPath *x, int start, Rng *r)
+{
+    V3 d = direction_near(it, v_neg(path_way(x, start - 1)), r);
+    const PathVertex *v = &x->v[start];
+    const LightSample *to = &x->end.to;
+
+    if (start < x->edges)
+        return (Walk){ vertex_ray(v->at, d), medium_beyond(&v->at->s, d, v->medium), { 1, 1, 1 },
+                       -1.0f };
+    return (Walk){ { .o = ray_origin(to->p, to->err, to->n, d), .d = d, .tmax = INFINITY,
+                     .time = x->time }, x->end.medium, { 1, 1, 1 }, -1.0f };
+}
+
+/* The walk from the light's side meets vertex i; what media left belongs to the edge before. */
+static bool arrives_back(LightPath *y, int i, Walk *w, Vertex *room, Tracer *t)
+{
+    if (!ray_meets(t, &w->ray, &w->medium, &w->passes, &room->s))
+        return false;
+    *(i + 1 < y->edges ? &y->v[i + 1].passes : &y->end.passes) = w->passes;
+    y->v[i].at = room;
+    return true;
+}
+
+/* On by the delta event of that name, towards the eye. */
+static bool goes_back(LightPath *y, int i, Walk *w)
+{
+    BsdfSample s[BSDF_DELTAS];
+    uint32_t name[BSDF_DELTAS];
+    PathVertex *v = &y->v[i];
+    int k = path_deltas(v->at, v->at->wo, s, name);
+
+    while (k-- > 0 && name[k] != v->event)
+        ;
+    if (k < 0 || !vertex_turns(v->at, &s[k]))
+        return false;
+    w->ray = vertex_ray(v->at, s[k].wi);
+    w->medium = v->medium = medium_beyond(&v->at->s, s[k].wi, w->medium);
+    w->passes = rgb_all(1.0f);
+    return true;
+}
+
+/* Vertex 1 is shown to the lens, at *c. */
+static bool reaches_lens(const Mutator *it, LightPath *y, Walk *w, CameraSample *c, Tracer *t)
+{
+    const Camera *camera = it->scene->camera;
+    PathVertex *v = &y->v[1];
+    Surface *s = &v->at->s;
+    LightSample to;
+    Ray ray;
+
+    if (!camera->kind->sample(camera, s->p, y->lens, y->time, c) ||
+        !is_on_picture(it, c->pixel, t))
+        return false;
+    s->width = c->dist * t->spread;
+    vertex_make(v->at, it->scene, w->ray.d);
+    v->medium = medium_beyond(s, c->wi, w->medium);
+    v->passes = rgb_all(1.0f);
+    to = (LightSample){ .wi = c->wi, .dist = c->dist, .p = c->p };
+    ray = shadow_ray(s, &to);
+    return tracer_passes(t, &ray, v->medium, &v->passes);
+}
+
+static bool moved_from_light(const Mutator *it, int at, const LightPath *x, LightPath *y,
+                             Vertex *const *rooms, Rng *r, Tracer *t)
+{
+    int start = first_smooth(x, at + 1);
+    Walk w = leaves_light(it, x, start, r);
+    CameraSample c;
+
+    for (int i = start - 1; i > at; i--) {
+        if (!arrives_back(y, i, &w, rooms[i], t))
+            return false;
+        vertex_make(rooms[i], it->scene, w.ray.d);
+        if (!goes_back(y, i, &w))
+            return false;
+    }
+    if (!arrives_back(y, at, &w, rooms[at], t))
+        return false;
+    if (at == 1)
+        return reaches_lens(it, y, &w, &c, t) && path_turned_round(y, 1, start - 1, &c);
+    vertex_make(rooms[at], it->scene, w.ray.d);
+    y->v[at].medium = w.medium;
+    return path_turned_round(y, at, start - 1, NULL) && path_is_clear(y, at - 1, t);
+}
+
+/* ---- acceptance ---- */
+
+/* From directions at that vertex, and places on the picture or directions at the one before, to
+ * directions at the start. */
+static double change_to_light(const LightPath *p, int at, const Camera *camera)
+{
+    int start = first_smooth(p, at + 1);
+    double change = start < p->edges ? (double)p->v[start].cos_o
+                    : p->end.light->kind->delta ? (double)p->end.to.dist * p->end.to.dist
+                                                : (double)p->end.cosine;
+    CameraSample c;
+
+    for (int i = at; i < start; i++) {
+        const PathVertex *v = &p->v[i];
+        change *= (double)v->cos_o / v->cos_i;
+        if (!path_vertex_is_smooth(v))
+            change *= (double)f_sqr(v->eta) * fabsf(v->wi.z / v->wo.z);
+    }
+    if (at > 1)
+        return change / f_sqr(p->v[at].dist);
+    return camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &c)
+               ? change * c.we / c.pdf_w : 0.0;
+}
+
+double mutation_worth(Move m, const LightPath *p, const Camera *c)
+{
+    double light = rgb_lum(p->colour);
+    int chains, last;
+
+    if (m.at)
+        return light * change_to_light(p, m.at, c);
+    last = joined(p, &chains);
+    return last < p->edges ? light * path_area(p, last) : light;
+}
+
+double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
+               Vertex *const *rooms, Rng *r, Tracer *t)
+{
+    const Camera *c = it->scene->camera;
+    double from;
+
+    path_shares(y, x);
+    if (!(m.at ? moved_from_light(it, m.at, x, y, rooms, r, t)
+               : moved_from_eye(it, x, y, rooms, r, t)) ||
+        !path_colours(y))
+        return 0.0;
+    from = mutation_worth(m, x, c);
+    return from > 0.0 ? mutation_worth(m, y, c) / from : 0.0;
+}
+
+double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
+                      Rng *r, Tracer *t)
+{
+    Mutation m = mutation_chosen(it, x, rng_unit(r));
+
+    if (m == MUTATIONS)
+        return 0.0;
+    return d_min(mutated(it, mutation_move(m, x, rng_unit(r)), x, y, rooms, r, t), 1.0);
+}
+
+/* ---- options ---- */
+
+void mutator_init(Mutator *it, const Scene *s, const Opts *o)
+{
+    static const char *const name[MUTATIONS] = { "lens", "multichain", "caustic", "inner" };
+
+    it->scene = s;
+    for (int m = 0; m < MUTATIONS; m++)
+        it->share[m] = opt_float(o, name[m]);
+    it->nearest = opt_float(o, "nearest");
+    it->farthest = opt_float(o, "farthest");
+    it->square = opt_float(o, "square");
+    it->least = opt_float(o, "least");
+    it->most = f_max(opt_float(o, "most"), it->least);
+}
+
+void mutator_prepare(Mutator *it, const Film *f)
+{
+    it->lo = (V2){ (float)f->x0, (float)f->y0 };
+    it->hi = (V2){ (float)f->x1, (float)f->y1 };
+    if (!(it->farthest > 0.0f))
+        it->farthest = 0.1f * (float)f->full_w;
+    it->farthest = f_max(it->farthest, it->nearest);
+}

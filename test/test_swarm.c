@@ -1,0 +1,379 @@
+/* test_swarm.c -- sample swarming: what a guide draws has the densities that it states; pictures
+ * have the mean of those by path tracing, with every subset of maps; and do not depend on
+ * threads. */
+#include "base/mem.h"
+#include "integrators/guide.h"
+#include "test/chi2.h"
+#include "test/pictures.h"
+#include "test/scene_help.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- scenes ---- */
+
+static Rgb cloudy(V3 w)
+{
+    float c = f_max(0, 0.58f * w.x - 0.58f * w.y + 0.58f * w.z), bright = f_sqr(f_sqr(c));
+    return rgb_scale(rgb(0.5f, 0.7f, 1), w.z > 0 ? 0.5f + 3 * bright : 0.05f);
+}
+
+/* A lens, a sky with a picture, two lamps, a ball of glass, a glossy one. */
+static void add_room(Lab *l)
+{
+    uint32_t black = lab_material(l, "diffuse", "reflectance=0");
+
+    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0),
+             lab_material(l, "phong", "reflectance=0.4/0.3/0.2,specular=0.4,exponent=20"));
+    lab_sphere(l, v3(0.8f, -0.4f, 0.61f), 0.6f, lab_material(l, "dielectric", ""), false);
+    lab_sphere(l, v3(-0.7f, 0, 0.6f), 0.6f, lab_material(l, "conductor", "roughness=0.3"), false);
+    lab_quad(l, v3(-1.2f, -1.6f, 0.1f), v3(0.8f, 0, 0), v3(0, 0.1f, 0.7f),
+             lab_material(l, "coateddiffuse", "roughness=0"));
+    lab_sky(l, 32, 16, cloudy, NULL);
+    lab_shine(l, lab_quad(l, v3(-2, -1.5f, 2.2f), v3(0, 1, 0), v3(1, 0, 0.5f), black), "L=8/8/6");
+    lab_shine(l, lab_sphere(l, v3(1.6f, 0.6f, 1.9f), 0.4f, black, false), "L=4/6/8");
+    lab_camera(l, v3(0, -4, 2), v3(0, 0, 0.4f), 45, "lensradius=0.2,focaldistance=4");
+}
+
+/* Light beyond what the eye sees, spots and a lamp. */
+static void add_fog(Lab *l)
+{
+    uint32_t black = lab_material(l, "diffuse", "reflectance=0"), fog;
+    Medium air = { "air", { 0.05f, 0.1f, 0.1f }, { 0.16f, 0.16f, 0.12f }, 0.4f };
+
+    REQUIRE(scene_add_medium(l->scene, &air, &fog), "memory");
+    l->scene->around = fog;
+    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(l, "diffuse", ""));
+    lab_sphere(l, v3(-0.4f, -0.5f, 0.5f), 0.5f, lab_material(l, "dielectric", "roughness=0.2"),
+               false);
+    for (int i = 0; i < 4; i++)
+        lab_shine(l, lab_quad(l, v3((float)i - 2, 0.3f * (float)(i % 3) - 0.4f, 3.4f),
+                              v3(0, 0.5f, 0), v3(0.5f, 0, 0), black), i ? "L=3/2/1" : "L=30/20/20");
+    lab_light(l, "spot", "from=0/-1/7,to=0/0/0,coneangle=12,conedeltaangle=5,I=30", NULL);
+    lab_camera(l, v3(0, -4, 2), v3(0, 0, 0.4f), 45, "");
+}
+
+/* Things in motion, one of which is bright; a pane that fades. */
+static const char MOVING[] =
+    "LookAt 0 -4 1.5  0 0 0.5  0 0 1\nCamera \"perspective\" \"float fov\" 45\nWorldBegin\n"
+    "LightSource \"infinite\" \"rgb L\" [ 0.2 0.2 0.3 ]\n"
+    "LightSource \"distant\" \"point3 from\" [ 1 -1 3 ] \"rgb L\" [ 0.5 0.4 0.3 ]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -3 -3 0  3 -3 0  -3 3 0  3 3 0 ]\n"
+    "AttributeBegin\nMaterial \"thindielectric\"\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0.1  1 -1 0.1  -1 -0.8 1  1 -0.8 1 ]\n"
+    "AttributeEnd\n"
+    "AttributeBegin\nTranslate -1.5 0 0.5\nActiveTransform EndTime\nTranslate 3 0 0.5\n"
+    "ActiveTransform All\nMaterial \"diffuse\" \"rgb reflectance\" [ 0.9 0.5 0.2 ]\n"
+    "Shape \"sphere\" \"float radius\" 0.3\nAttributeEnd\n"
+    "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 6 6 6 ]\nTranslate 1 1 1.4\n"
+    "Shape \"sphere\" \"float radius\" 0.2\nAttributeEnd\n";
+
+/* ---- a guide by itself ---- */
+
+typedef struct {
+    Lab     lab;
+    GuidePlan plan;
+    Guide  *guide;
+    Tracer  tracer;
+    Vertex  v;
+    LightSampler *lights;
+} Lesson;
+
+static const int ALL[GUIDE_KINDS] = { 64, 32, 16, 64, 256, 32, 32 };
+
+/* A guide whose maps have been made by rule, at the vertex that the ray meets. */
+static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
+{
+    uint32_t spp = 0;
+    Opts none;
+    Ray r = ray_towards(eye, at);
+    Beam b;
+    float *maps;
+    Rng rng = rng_seed(1);
+
+    memset(n, 0, sizeof *n);
+    lab_init(&n->lab);
+    add(&n->lab);
+    lab_build(&n->lab);
+    guide_plan(&n->plan, n->lab.scene, ALL, 1, 0.5f, false);
+    n->guide = guide_new(&n->plan);
+    n->lights = lightsampler_open("power", n->lab.scene);
+    opts_default(&none, kind_info(samplers, 0)->options);
+    n->tracer.scene = n->lab.scene;
+    REQUIRE(n->guide && n->lights &&
+            sampler_init(&n->tracer.sampler, kind_find(samplers, "random"), &none, 7, &spp),
+            "open");
+    maps = guide_maps(n->guide);
+    guide_forget(&n->plan, maps);
+    for (int m = 0; m < GUIDE_MAPS; m++) {
+        int cells = learned_cells(n->plan.shape[m]);
+        float *mass = maps + n->plan.at[m];
+        for (int i = 0; i < cells && m != GUIDE_BIFURCATION; i++)
+            mass[i] *= rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.1f;
+        for (int k = 0; cells && k < GUIDE_LEVELS; k++)
+            mass[cells + k] = 1.0f / (float)(1 + k);    /* the more of the map the better */
+    }
+    REQUIRE(vertex_meet(&n->v, &r, &n->tracer), "a vertex");
+    guide_pixel(n->guide, &n->tracer, 0, 0);
+    sampler_start(&n->tracer.sampler, 0);
+    b = beam_from_eye(&r, n->lab.scene);
+    guide_starts(n->guide, &b);
+    guide_turns(n->guide, &b, true);
+}
+
+static void lesson_clear(Lesson *n)
+{
+    guide_learns(n->guide, &n->tracer);
+    guide_free(n->guide);
+    lightsampler_close(n->lights);
+    lab_clear(&n->lab);
+}
+
+static Lesson lesson;                   /* which draw() changes */
+static uint32_t lesson_index;
+
+static bool draw(const void *of, Rng *rng, V3 *w)
+{
+    Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
+    BsdfSample s;
+
+    (void)of, (void)rng;
+    sampler_start(&lesson.tracer.sampler, ++lesson_index);
+    guide_turns(lesson.guide, &b, true);
+    if (!guide_scatters(lesson.guide, &lesson.v, &lesson.tracer, &b, &s))
+        return false;
+    *w = s.wi;
+    return true;
+}
+
+/* Above the surface alone: what a map proposes below it is refused. */
+static double density(const void *of, V3 w)
+{
+    V3 local;
+
+    (void)of;
+    if (!vertex_local(&lesson.v, w, &local) || local.z <= 0)
+        return 0;
+    return (double)guide_pdf_w(lesson.guide, w, vertex_pdf_w(&lesson.v, local));
+}
+
+/* A direction that the map and the surface can both give has the sum of their densities. */
+static void directions(void)
+{
+    lesson_init(&lesson, add_room, v3(0.1f, -1.5f, 2), v3(0, -1.4f, 0));
+    chi2_expect(&(Chi2){ draw, density, NULL, .draws = 200000, .halvings = 2, .rows = 32,
+                         .cols = 64 }, "directions by a map");
+    lesson_clear(&lesson);
+}
+
+static void choices(void)
+{
+    enum { DRAWS = 100000, MOST = 8 };
+    Lesson n;
+    V3 p, up;
+    double expected[MOST], sum = 0, chance;
+    uint64_t count[MOST] = { 0 };
+
+    lesson_init(&n, add_fog, v3(0.1f, -1.5f, 2), v3(0.8f, -1.4f, 0));
+    p = n.v.s.p;
+    up = vertex_up(&n.v);
+    for (int i = 0; i < DRAWS; i++) {
+        float u = ((float)i + 0.5f) / DRAWS, pmf;
+        const Light *l = guide_light(n.guide, n.lights, p, up, u, &pmf);
+        REQUIRE(l, "a light");
+        count[l->index]++;
+        EXPECT(pmf == guide_light_pmf(n.guide, n.lights, p, up, l), "pmf %.9g", (double)pmf);
+    }
+    for (size_t i = 0; i < n.lab.scene->nlights; i++) {
+        expected[i] = DRAWS * (double)guide_light_pmf(n.guide, n.lights, p, up,
+                                                      n.lab.scene->lights[i]);
+        sum += expected[i] / DRAWS;
+        EXPECT(fabs(expected[i] - (double)count[i]) <= 3, "light %d: %g of %g", (int)i,
+               (double)count[i], expected[i]);
+    }
+    chance = chi2_counts(expected, count, n.lab.scene->nlights);
+    EXPECT(chance >= CHI2_P_MIN && fabs(sum - 1) < 1e-5, "p = %g, sum %g", chance, sum);
+    lesson_clear(&n);
+}
+
+/* The numbers that a sky gives for a direction are those that gave it. */
+static void sky_numbers(void)
+{
+    Lab l;
+    const Light *sky;
+    Rng r = rng_seed(4);
+
+    lab_init(&l);
+    add_room(&l);
+    lab_build(&l);
+    sky = l.scene->infinite[0];
+    for (int i = 0; i < 20000; i++) {
+        V2 u = { rng_unit(&r), rng_unit(&r) }, back;
+        bool beside = i & 1;
+        LightSample s;
+        if (!light_sample(sky, beside, v_all(0), u, &s))
+            continue;
+        REQUIRE(sky->kind->numbers(sky, beside, s.wi, &back), "numbers");
+        EXPECT(fabsf(u.x - back.x) < 2e-4f && fabsf(u.y - back.y) < 2e-4f,
+               "%.9g %.9g gives %.9g %.9g", (double)u.x, (double)u.y, (double)back.x,
+               (double)back.y);
+    }
+    lab_clear(&l);
+}
+
+/* ---- pictures ---- */
+
+typedef struct { const char *method; double delta; } Way;
+
+static void compare(Lab *l, const char *truth, uint32_t spp, const Way *ways, size_t n)
+{
+    Series path, swarm;
+
+    series_render(l, &path, truth, 32, spp, 1);
+    for (size_t i = 0; i < n; i++) {
+        series_render(l, &swarm, ways[i].method, 32, 4, 2 + i);
+        series_expect_same(&swarm, &path, ways[i].delta, ways[i].method);
+        series_clear(&swarm);
+    }
+    series_clear(&path);
+}
+
+
+
+static void room(void)
+{
+    static const Way ways[] = {
+        { "swarm:band=1,maxdepth=4", 0.1 },
+        { "swarm:maxdepth=4,bounces=3,passes=2,band=1,share=0.8@random", 0.12 },
+        { "swarm:maxdepth=4,strategy=explicit,coin=true,light=2,lightsampler=uniform", 0.2 },
+        { "swarm:maxdepth=4,sky=all,roulette=1,heuristic=balance,point=7,lens=5,direction=9",
+          0.08 },
+    };
+    Lab l;
+
+    lab_init(&l);
+    add_room(&l);
+    lab_build(&l);
+    compare(&l, "path:maxdepth=4", 16, ways, sizeof ways / sizeof *ways);
+    lab_clear(&l);
+}
+
+static void fog(void)
+{
+    static const Way ways[] = {
+        { "swarm:band=1,maxdepth=3,bounces=2", 0.15 },
+        { "swarm:maxdepth=3,direction=0,light=3", 0.15 },
+    };
+    Lab l;
+
+    lab_init(&l);
+    add_fog(&l);
+    lab_build(&l);
+    compare(&l, "path:maxdepth=3", 16, ways, sizeof ways / sizeof *ways);
+    lab_clear(&l);
+}
+
+static void motion(void)
+{
+    static const Way ways[] = {
+        { "swarm:maxdepth=5,band=1", 0.06 },
+        { "swarm:maxdepth=5,strategy=implicit,passes=3,lightsampler=power", 0.3 },
+    };
+    SceneFile f = scene_of(MOVING, 0);
+    Lab l;
+
+    memset(&l, 0, sizeof l);
+    l.scene = f.scene;
+    lab_build(&l);
+    compare(&l, "path:maxdepth=5", 16, ways, 1);
+    compare(&l, "path:maxdepth=5,strategy=implicit", 64, ways + 1, 1);
+    l.scene = NULL;
+    lab_clear(&l);
+    scenefile_clear(&f);
+}
+
+/* What a band or a pass begins with does not depend on who did what when. */
+static void threads(void)
+{
+    static const char *const methods[] = { "swarm:band=1", "swarm:band=2,passes=3" };
+    Lab l;
+
+    lab_init(&l);
+    add_room(&l);
+    lab_build(&l);
+    for (int k = 0; k < 2; k++) {
+        RenderSettings s;
+        RenderReport report;
+        Film one, many;
+        picture_settings(&l, &s, methods[k], 40, 72, 5);
+        s.crop[0] = 3;
+        s.crop[1] = 5;
+        picture_render(&l, &s, &one, &report);
+        s.threads = 5;
+        picture_render(&l, &s, &many, &report);
+        EXPECT(films_equal(&one, &many), "%s: threads matter", methods[k]);
+        film_clear(&one);
+        film_clear(&many);
+    }
+    lab_clear(&l);
+}
+
+/* The scenes of [Cline07 figures 9.3 to 9.9, 9.11 to 9.14], small, with each subset of the seven
+ * maps; by how much they might be off. */
+static const struct { const char *name, *options; double delta; } figures[] = {
+    { "swarm-time", "maxdepth=2", 0.2 }, { "swarm-lens", "maxdepth=2", 0.2 },
+    { "swarm-caustic", "maxdepth=4", 0.2 }, { "swarm-lights", "maxdepth=2", 0.2 },
+    { "swarm-glass", "maxdepth=7", 0.2 }, { "swarm-fog", "maxdepth=1", 0.2 },
+    { "swarm-probe", "maxdepth=3", 0.2 }, { "hare", "maxdepth=4", 0.4 },
+    { "paperweight", "maxdepth=6", 0.4 }, { "glasses", "maxdepth=10", 0.4 },
+    { "iguana", "maxdepth=3", 0.2 },
+};
+
+static void subsets_of(size_t k)
+{
+    char path[80], method[300], what[400];
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    Series truth, s;
+    SceneFile f;
+    Lab l;
+
+    memset(&l, 0, sizeof l);
+    snprintf(path, sizeof path, "scenes/%s.pbrt", figures[k].name);
+    REQUIRE(scenefile_read(&f, path, &limits), "%s", path);
+    l.scene = f.scene;
+    lab_build(&l);
+    snprintf(method, sizeof method, "path:%s", figures[k].options);
+    series_render(&l, &truth, method, 16, 64, 1);
+    for (unsigned subset = 1; subset < 1u << GUIDE_KINDS; subset++) {
+        int n = snprintf(method, sizeof method, "swarm:%s", figures[k].options);
+        for (int map = 0; map < GUIDE_KINDS; map++)
+            n += snprintf(method + n, sizeof method - (size_t)n, ",%s=%d", guide_names[map],
+                          subset >> map & 1 ? 16 : 0);
+        snprintf(what, sizeof what, "%s, %s", figures[k].name, method);
+        series_render(&l, &s, method, 16, 1, 2 + subset);
+        series_expect_same(&s, &truth, figures[k].delta, what);
+        series_clear(&s);
+    }
+    series_clear(&truth);
+    l.scene = NULL;
+    lab_clear(&l);
+    scenefile_clear(&f);
+}
+
+static void subsets(void)
+{
+    for (size_t k = 0; k < sizeof figures / sizeof *figures; k++)
+        subsets_of(k);
+}
+
+const TestCase test_swarm[] = {
+    { "directions", directions, false },
+    { "choices", choices, false },
+    { "sky_numbers", sky_numbers, false },
+    { "room", room, false },
+    { "fog", fog, false },
+    { "motion", motion, false },
+    { "threads", threads, false },
+    { "subsets", subsets, true },
+    { NULL, NULL, false }
+};
