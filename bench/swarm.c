@@ -81,7 +81,8 @@ static const Row rows[] = {
 static const Row large[] = {
     { "fig. 9.11", "hare", 64, 0, 0, "path:maxdepth=10", "swarm:maxdepth=10,light=0",
       "path:maxdepth=10" },
-    { "fig. 9.12", "paperweight", 256, 0, 0, "path:maxdepth=16", "swarm:maxdepth=16,point=0,light=0",
+    { "fig. 9.12", "paperweight", 256, 0, 0, "path:maxdepth=16",
+      "swarm:maxdepth=16,point=0,light=0",
       "path:maxdepth=16" },
     { "fig. 9.13", "glasses", 128, 0, 0, "path:maxdepth=24", "swarm:maxdepth=24,point=0,light=0",
       "path:maxdepth=24" },
