@@ -388,5 +388,6 @@ const IntegratorKind integrator_erpt = {
     .misses = "point and distant lights seen through delta surfaces; light that media scatter; "
               "with filters of noise (even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
-    .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish
+    .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish,
+    .unkept = true
 };

@@ -302,5 +302,6 @@ const IntegratorKind integrator_mlt = {
     .truth = CONSISTENT,
     .misses = "point and distant lights seen through delta surfaces; light that media scatter",
     .open = open_mlt, .close = close_mlt, .prepare = prepare, .radiance = radiance,
-    .splats = true, .phases = CHAINS_PHASES, .anew = true, .units = units, .run = chains_run
+    .splats = true, .phases = CHAINS_PHASES, .anew = true, .units = units, .run = chains_run,
+    .unkept = true
 };
