@@ -132,20 +132,6 @@ static void lesson_clear(Lesson *n)
 static Lesson lesson;                   /* which draw() changes */
 static uint32_t lesson_index;
 
-static bool draw(const void *of, Rng *rng, V3 *w)
-{
-    Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
-    BsdfSample s;
-
-    (void)of, (void)rng;
-    sampler_start(&lesson.tracer.sampler, ++lesson_index);
-    guide_turns(lesson.guide, &b, true);
-    if (!guide_scatters(lesson.guide, &lesson.v, &lesson.tracer, &b, &s))
-        return false;
-    *w = s.wi;
-    return true;
-}
-
 /* Above the surface alone: what a map proposes below it is refused. */
 static double density(const void *of, V3 w)
 {
@@ -157,12 +143,52 @@ static double density(const void *of, V3 w)
     return (double)guide_pdf_w(lesson.guide, w, vertex_pdf_w(&lesson.v, local));
 }
 
+static bool draw(const void *of, Rng *rng, V3 *w)
+{
+    Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
+    BsdfSample s;
+
+    (void)of, (void)rng;
+    sampler_start(&lesson.tracer.sampler, ++lesson_index);
+    guide_turns(lesson.guide, &b, true);
+    if (!guide_scatters(lesson.guide, &lesson.v, &lesson.tracer, &b, &s))
+        return false;
+    *w = s.wi;
+    EXPECT(fabsf(s.pdf_w - (float)density(NULL, s.wi)) <= 1e-4f * s.pdf_w,
+           "a draw says %.9g, the density %.9g", (double)s.pdf_w, density(NULL, s.wi));
+    return true;
+}
+
 /* A direction that the map and the surface can both give has the sum of their densities. */
 static void directions(void)
 {
     lesson_init(&lesson, add_room, v3(0.1f, -1.5f, 2), v3(0, -1.4f, 0));
     chi2_expect(&(Chi2){ draw, density, NULL, .draws = 200000, .halvings = 2, .rows = 32,
                          .cols = 64 }, "directions by a map");
+    lesson_clear(&lesson);
+}
+
+/* What is reflected of a uniform sky, with a guide and without: a mirror's coat over matt paint, of
+ * which the guide takes neither anything away nor too much. */
+static void coat(void)
+{
+    Stat with = { 0, 0, 0, 0, 0 }, without = with;
+    uint32_t n = test_is_long() ? 1600000 : 100000;
+
+    lesson_init(&lesson, add_room, v3(-0.8f, -4, 0.4f), v3(-0.8f, -1.55f, 0.4f));
+    REQUIRE(lesson.v.b->flags & BSDF_SPECULAR && vertex_is_smooth(&lesson.v), "coated");
+    for (uint32_t i = 0; i < n; i++) {
+        Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
+        BsdfSample s;
+        sampler_start(&lesson.tracer.sampler, i);
+        guide_turns(lesson.guide, &b, true);
+        stat_add(&with, guide_scatters(lesson.guide, &lesson.v, &lesson.tracer, &b, &s)
+                            ? (double)rgb_lum(s.weight) : 0);
+        sampler_start(&lesson.tracer.sampler, i + n);
+        stat_add(&without, vertex_sample(&lesson.v, &lesson.tracer, 0, &s)
+                               ? (double)rgb_lum(s.weight) : 0);
+    }
+    stat_expect_same(&with, &without, 0.05, "coated");
     lesson_clear(&lesson);
 }
 
@@ -368,6 +394,7 @@ static void subsets(void)
 
 const TestCase test_swarm[] = {
     { "directions", directions, false },
+    { "coat", coat, false },
     { "choices", choices, false },
     { "sky_numbers", sky_numbers, false },
     { "room", room, false },
