@@ -7,6 +7,7 @@
 
 #define EVEN_WORLD 1e-6f                /* the constant of world maps, over their cells */
 #define WORTHWHILE 0.8f                 /* second moment with a map over that without */
+#define HARMLESS 1.0f                   /* the same, of preimage maps, whose cost is bounded */
 #define MOMENT_MOST 1e6f                /* a density over another */
 enum { FORKS_MOST = 64 };
 
@@ -234,18 +235,17 @@ static float share_at(const GuidePlan *p, int map, int level)
     return (float)level / (GUIDE_LEVELS - 1) * (is_world(map) ? p->share : 1.0f);
 }
 
-/* The level of least second moment, if that is well below that without the map. Where nothing is
- * known, preimage maps are even, and world maps had better not be asked. */
+/* The highest level whose second moment is well below that without the map. Where nothing is known,
+ * preimage maps are even, and world maps had better not be asked. */
 static int best_level(int map, const float *moment)
 {
-    int best = 0;
+    int k = GUIDE_LEVELS - 1;
 
     if (!(moment[0] > 0.0f))
-        return is_world(map) ? 0 : GUIDE_LEVELS - 1;
-    for (int k = 1; k < GUIDE_LEVELS; k++)
-        if (moment[k] < moment[best] && moment[k] < WORTHWHILE * moment[0])
-            best = k;
-    return best;
+        return is_world(map) ? 0 : k;
+    while (k > 0 && !(moment[k] < (is_world(map) ? WORTHWHILE : HARMLESS) * moment[0]))
+        k--;
+    return k;
 }
 
 float *guide_maps(Guide *g) { return g->maps; }
@@ -478,6 +478,15 @@ void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, f
         *pdf *= g->point_density;
     else
         s->L = rgb_scale(s->L, 1.0f / g->point_density);
+}
+
+void guide_met(Guide *g, const Light *l, bool beside, V3 wi, Rgb light)
+{
+    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    V2 u;
+
+    if (map >= 0 && has(g, map) && l->kind->numbers && l->kind->numbers(l, beside, wi, &u))
+        learned_add(g->worth + g->plan->at[map], g->plan->shape[map], u, rgb_lum(light));
 }
 
 /* ---- directions ---- */

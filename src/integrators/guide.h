@@ -21,8 +21,9 @@
  *             other share goes everywhere.
  * Levels      A map is used as far as it is of use: besides it, pixels learn the second moment that
  *             their samples would have had without the map, with half of its part (share; of
- *             preimage maps: the whole), and with all of it. Where the best of these is not well
- *             below the first, the map is left alone: it would cost more in strata than it brings.
+ *             preimage maps: the whole), and with all of it. The most that is below the first, of
+ *             world maps well below, is taken; if none is, the map is left alone: it would cost
+ *             more in strata than it brings.
  *             A bifurcation is trusted the more, the more has been learned of it.
  * Weights     Points on lights: the heuristic wants the number that would have given a direction
  *             that the surface chose [errata 9.4]. Pictures of the sky know it. With other lights
@@ -107,6 +108,10 @@ float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const 
 float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi);
 /* For the sample of a light that was asked for: into *pdf as well; else into what it brings. */
 void  guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf);
+
+/* Light l was met along wi, by a direction of the vertex: its map of points would have wanted that
+ * too, where the light knows the number. */
+void  guide_met(Guide *g, const Light *l, bool beside, V3 wi, Rgb light);
 
 /* As vertex_sample, for the beam's next event; tells b of its part in the density. */
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s);
