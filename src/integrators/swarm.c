@@ -10,7 +10,7 @@
  *             other, so that threads do not matter. So that a band does not begin knowing nothing,
  *             it practises on the row above, without keeping what it sees.
  * Memory      Two rows of maps for each band under way, so for each thread; maps of 32 x 32 cells
- *             take 4 KB each: 34 KB for each pixel of width with every map on.
+ *             take 4 KB each: 28 KB for each pixel of width with every map on.
  * Passes      All samples of a pixel are taken at once. With passes=n, in n passes of counts that
  *             double, and a pass keeps, for each tile, the mean of its pixels' maps, which is an
  *             eighth neighbour to all pixels of the tile in the pass after: so what has been found
