@@ -22,6 +22,8 @@ void bench_cuts(void);          /* figures 4, 5, 7 and 8 of [Wang09] */
 void bench_lamps(void);         /* fixed lights for a sky; lamps by area or solid angle */
 void bench_bias(void);          /* what says that it is biased: by how much */
 void bench_bidirectional(void); /* paths from both ends, after equal time */
+void bench_bidirectional_rooms(void);   /* tables 5.6 to 5.8 of [GIRT] */
+void bench_bidirectional_pass(void);    /* table 5.3: what a pass takes */
 void bench_photons(void);       /* a million photons; neighbours; passes of sppm */
 void bench_indirect(void);      /* caches and photons against paths, after equal time */
 void bench_methods(void);       /* the three spheres by every method, on one sheet */

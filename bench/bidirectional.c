@@ -1,5 +1,5 @@
-/* bidirectional.c -- paths from both ends: pairs a second, and error after equal time on the scenes
- * that other programs were measured on.
+/* bidirectional.c -- paths from both ends: error after equal time, on scenes that other programs
+ * were measured on and on those of [GIRT 5]; what a pass of vcm consists of.
  *
  * Reference   two pictures by methods that miss nothing of the scene, see paired_relmse: where
  *             delta lamps are seen by way of glass that is vcm with a radius a third of its own.
@@ -9,21 +9,38 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef struct { const char *scene, *method, *reference, *asked; } Case;
+typedef struct {
+    const char *scene, *method, *reference;
+    uint32_t side;              /* pixels; 0: as the scene has it */
+    double seconds;
+    const char *asked;
+} Case;
 
 #define BOTH "bdpt"
 #define ALL "vcm:share=0.001"
 
 static const Case cases[] = {
-    { "scenes/s5.pbrt", "bdpt", BOTH, "asked 0.006, aim 0.004; SmallVCM 0.0082" },
-    { "scenes/s5.pbrt", "vcm", BOTH, "asked 0.003, aim 0.002; SmallVCM 0.0041" },
-    { "scenes/s5.pbrt", "path", BOTH, "Mitsuba 0.027" },
-    { "scenes/s5.pbrt", "bpm", BOTH, "SmallVCM 0.0320" },
-    { "scenes/s1.pbrt", "vcm", BOTH, "asked 0.0025, aim 0.0017; SmallVCM 0.0034" },
-    { "scenes/s1.pbrt", "bdpt", BOTH, "SmallVCM 0.0171" },
-    { "scenes/s0.pbrt", "vcm", ALL, "asked 0.012, aim 0.008; SmallVCM 0.0168" },
-    { "scenes/s2.pbrt", "vcm", ALL, "asked 0.0035, aim 0.0023; SmallVCM 0.0046" },
-    { "scenes/s2.pbrt", "bdpt", ALL, "asked 0.0035, aim 0.0023; SmallVCM 0.0049" },
+    { "scenes/s5.pbrt", "bdpt", BOTH, 0, 20, "asked 0.006, aim 0.004; SmallVCM 0.0082" },
+    { "scenes/s5.pbrt", "vcm", BOTH, 0, 20, "asked 0.003, aim 0.002; SmallVCM 0.0041" },
+    { "scenes/s5.pbrt", "path", BOTH, 0, 20, "Mitsuba 0.027" },
+    { "scenes/s5.pbrt", "bpm", BOTH, 0, 20, "SmallVCM 0.0320" },
+    { "scenes/s1.pbrt", "vcm", BOTH, 0, 20, "asked 0.0025, aim 0.0017; SmallVCM 0.0034" },
+    { "scenes/s1.pbrt", "bdpt", BOTH, 0, 20, "SmallVCM 0.0171" },
+    { "scenes/s0.pbrt", "vcm", ALL, 0, 20, "asked 0.012, aim 0.008; SmallVCM 0.0168" },
+    { "scenes/s2.pbrt", "vcm", ALL, 0, 20, "asked 0.0035, aim 0.0023; SmallVCM 0.0046" },
+    { "scenes/s2.pbrt", "bdpt", ALL, 0, 20, "asked 0.0035, aim 0.0023; SmallVCM 0.0049" },
+};
+
+/* [GIRT tables 5.6 to 5.8]: path best where it can find the light; bpm early, vcm in the end where
+ * caustics are seen in mirrors. */
+#define FOUR(name, seconds) \
+    { "scenes/" name ".pbrt", "path", ALL, 128, seconds, "" },                 \
+    { "scenes/" name ".pbrt", "bdpt", ALL, 128, seconds, "" },                 \
+    { "scenes/" name ".pbrt", "bpm:share=0.01", ALL, 128, seconds, "" },       \
+    { "scenes/" name ".pbrt", "vcm", ALL, 128, seconds, "" }
+static const Case rooms[] = {
+    FOUR("mirror-balls", 1), FOUR("mirror-balls", 8), FOUR("living-room", 1),
+    FOUR("living-room", 8), FOUR("bathroom", 1), FOUR("bathroom", 8),
 };
 
 static void after(const Case *c, const Image ref[2])
@@ -33,37 +50,82 @@ static void after(const Case *c, const Image ref[2])
     Image im = { 0 };
     uint32_t spp;
 
-    if (!bench_render(c->scene, c->method, NULL, 0, FEW, 1, 5, NULL, &r))
+    if (!bench_render(c->scene, c->method, NULL, c->side, FEW, 1, 5, NULL, &r))
         return;
-    spp = (uint32_t)d_max(1, FEW * 20.0 / r.cpu_seconds);
-    if (bench_render(c->scene, c->method, NULL, 0, spp, processors(), 1, &im, &r)) {
+    spp = (uint32_t)d_max(1, FEW * c->seconds / r.cpu_seconds);
+    if (bench_render(c->scene, c->method, NULL, c->side, spp, processors(), 1, &im, &r)) {
         double e = paired_relmse(&im, &ref[0], &ref[1]);
-        printf("bidirectional\t%s\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.5f\tscaled to 20 s "
+        printf("bidirectional\t%s\t%s\tspp %lu\tCPU-seconds %.1f\trelMSE %.5f\tscaled to %g s "
                "%.5f\t%s\n", c->scene, c->method, (unsigned long)spp, r.cpu_seconds, e,
-               e * r.cpu_seconds / 20, c->asked);
+               c->seconds, e * r.cpu_seconds / c->seconds, c->asked);
     }
     fflush(stdout);
     image_clear(&im);
 }
 
-void bench_bidirectional(void)
+static void table(const Case *row, size_t n)
 {
     Image ref[2] = { { 0 }, { 0 } };
-    const Case *last = NULL;
     RenderReport r;
 
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const Case *c = &cases[i];
-        if (!last || strcmp(last->scene, c->scene))
-            for (uint64_t k = 0; k < 2; k++) {
-                image_clear(&ref[k]);
-                if (!bench_render(c->scene, c->reference, NULL, 0, 128, processors(), 77 + k,
-                                  &ref[k], &r))
-                    return;
-            }
+    for (size_t i = 0; i < n; i++) {
+        const Case *c = &row[i];
+        bool same = i && !strcmp(c[-1].scene, c->scene);
+        for (uint64_t k = 0; k < 2 && !same; k++) {
+            image_clear(&ref[k]);
+            if (!bench_render(c->scene, c->reference, NULL, c->side, 128, processors(), 77 + k,
+                              &ref[k], &r))
+                return;
+        }
         after(c, ref);
-        last = c;
     }
     image_clear(&ref[0]);
     image_clear(&ref[1]);
+}
+
+void bench_bidirectional(void)
+{
+    table(cases, sizeof cases / sizeof *cases);
+}
+
+void bench_bidirectional_rooms(void)
+{
+    table(rooms, sizeof rooms / sizeof *rooms);
+}
+
+/* ---- a pass ---- */
+
+static double cpu_of(const char *scene, const char *method, uint32_t spp, double *rays)
+{
+    RenderReport r;
+
+    *rays = 0;
+    if (!bench_render(scene, method, NULL, 0, spp, 1, 3, NULL, &r))
+        return 0;
+    *rays = (double)r.rays / (double)r.samples;
+    return r.cpu_seconds / spp;
+}
+
+/* What a pass of one sample a pixel takes [GIRT table 5.3], told from runs that leave a part of it
+ * out: mergers; connections; all but light paths that are shown to the lens. */
+static void profile(const char *scene)
+{
+    double rays, unused, whole = cpu_of(scene, "vcm", 8, &rays);
+    double several = cpu_of(scene, "vcm:radii=4", 8, &unused);
+    double connects = cpu_of(scene, "vcm:mode=bdpt", 8, &unused);
+    double merges = cpu_of(scene, "vcm:mode=bpm", 8, &unused);
+    double light = cpu_of(scene, "vcm:mode=lighttracing", 8, &unused);
+
+    printf("pass\t%s\tCPU-seconds %.3f\twithout mergers %.3f\twithout connections %.3f\t"
+           "light paths and their way to the lens %.3f\trays a pixel %.1f\tby four radii %.3f\n",
+           scene, whole, connects, merges, light, rays, several);
+    fflush(stdout);
+}
+
+void bench_bidirectional_pass(void)
+{
+    profile("scenes/s5.pbrt");
+    profile("scenes/mirror-balls.pbrt");
+    profile("scenes/living-room.pbrt");
+    profile("scenes/bathroom.pbrt");
 }

@@ -23,7 +23,8 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "swarm", bench_swarm },
     { "cuts", bench_cuts }, { "direct lamps", bench_lamps }, { "bias", bench_bias },
     { "photons", bench_photons }, { "indirect", bench_indirect }, { "methods", bench_methods },
-    { "bidirectional", bench_bidirectional },
+    { "bidirectional", bench_bidirectional }, { "bidirectional rooms", bench_bidirectional_rooms },
+    { "bidirectional pass", bench_bidirectional_pass },
     { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
     { "moves figures", bench_moves_figures },
 };

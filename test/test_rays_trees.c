@@ -351,7 +351,7 @@ static void nested(void)
 static void equal_boxes(void)
 {
     Mesh m;
-    line_up(&m, 100000, same);
+    line_up(&m, 50000, same);
     build_all(&m, "equal boxes");
 }
 
