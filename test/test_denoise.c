@@ -6,6 +6,7 @@
 #include "test/image_help.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { W = 48, H = 37 };
 

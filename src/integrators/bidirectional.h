@@ -75,7 +75,7 @@ Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex 
 #define BIDIRECTIONAL_OPTIONS                                                  \
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = DEPTH_MOST, \
       .help = "most scattering events of a path; 0 shows lights only" },       \
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth", \
+    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth", \
       .help = "scattering event of each of the two paths after which it may end by chance" }, \
     { .key = "weights", .type = OPT_CHOICE, .str = "balance",                  \
       .choices = "balance power uniform",                                      \
