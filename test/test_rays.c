@@ -192,8 +192,8 @@ static void shoot_zoo(const ZooMesh *z, uint64_t rays)
     }
 }
 
-static void tame(void) { shoot_zoo(zoo_tame, 45000); }
-static void wild(void) { shoot_zoo(zoo_wild, 8000); }
+static void tame(void) { shoot_zoo(zoo_tame, 32000); }
+static void wild(void) { shoot_zoo(zoo_wild, 6000); }
 
 /* Far from the origin coordinates are coarse and boxes matter; see RELIABILITY section 0.4 for the
  * second offset, where Embree loses rays. */
@@ -216,7 +216,7 @@ static void shoot_placed(int first, int end)
             snprintf(name, sizeof name, "%s, place %d", z->name, (int)k);
             z->make(&m);
             mesh_place(&m, place[k].scale, place[k].offset);
-            shoot_mesh(name, &m, 8000, 100 * (uint64_t)i + k);
+            shoot_mesh(name, &m, 6000, 100 * (uint64_t)i + k);
         }
     }
 }

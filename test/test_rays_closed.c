@@ -244,7 +244,7 @@ static void fast(const Body *b, const Body *end, uint32_t rays)
 
 static void solid(void) { fast(bodies, bodies + WAVED, 14000); }
 static void waved(void) { fast(bodies + WAVED, bodies + THIN, 14000); }
-static void thin(void) { fast(bodies + THIN, bodies + FINE, 2500); }
+static void thin(void) { fast(bodies + THIN, bodies + FINE, 1200); }
 static void fine(void) { fast(bodies + FINE, bodies + BODIES, 5000); }
 static void brute_force(void) { shoot_bodies(setting_brute(), small, small + SMALL, 4000); }
 
