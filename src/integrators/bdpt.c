@@ -21,7 +21,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Sampler eye = t->sampler;
     int n;
 
-    sampler_second(&t->sampler);
+    sampler_other(&t->sampler, PATH_FROM_LAMP);
     n = bidirectional_light(&it->both, r->time, path, t);
     t->sampler = eye;
     return bidirectional_look(&it->both, r, path, n, t);
@@ -46,7 +46,7 @@ static Integrator *open_bdpt(const Scene *s, const Opts *o)
     return NULL;
 }
 
-static const OptDef options[] = { BIDIRECTIONAL_OPTIONS, { .key = NULL } };
+static const OptDef options[] = { BIDIRECTIONAL_OPTIONS(16), { .key = NULL } };
 
 const IntegratorKind integrator_bdpt = {
     .info = { "bdpt", "Cline07 7.9; GIRT 2.2.3; Veach97 10",

@@ -199,17 +199,22 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
 
 /* ---- the eye's path ---- */
 
+/* Of a split path: what it is before its next vertex tells whether all parts of it go on. */
+typedef enum { WHOLE, FIRST_PART, OTHER_PART } Part;
+
 typedef struct {
     Beam beam;
     V3   p, up;                 /* its last vertex, as lamps are asked from there */
     Odds odds;                  /* before the ray arrives */
     float found;                /* so far, by joining: largest channels */
+    float share;                /* of all rays that it was split into */
+    Part  part;
 } Eye;
 
 static Eye eye_begin(const Bidirectional *b, const Ray *r)
 {
     const Camera *c = b->scene->camera;
-    Eye e = { .beam = beam_from_eye(r, b->scene), .p = r->o };
+    Eye e = { .beam = beam_from_eye(r, b->scene), .p = r->o, .share = 1.0f };
     CameraView view;
     float pdf;
 
@@ -220,12 +225,12 @@ static Eye eye_begin(const Bidirectional *b, const Ray *r)
     return e;
 }
 
-/* As it counts: c, what a technique of so many lamp vertices brings without its weight. */
+/* As it counts: c, what a technique of so many lamp vertices brings without weight and share. */
 static Rgb weighed(const Bidirectional *b, const Eye *e, Rivals r, Rgb c, int vertices, Tracer *t)
 {
     static const Strategy strategy[] = { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_CONNECT };
     float weight = rivals_connected(r, &b->techniques, b->techniques.eta);
-    Rgb counts = rgb_scale(c, weight);
+    Rgb counts = rgb_scale(c = rgb_scale(c, e->share), weight);
 
     if (LIKELY(!t->tally))
         return counts;
@@ -306,7 +311,7 @@ static bool merges_here(const Bidirectional *b, const Eye *e)
 static bool tries(const Bidirectional *b, const Eye *e, float weight, int vertices, Rgb *c,
                   Tracer *t)
 {
-    float least = b->little * e->found, brings = rgb_max(*c) * weight;
+    float least = b->little * e->found, brings = rgb_max(*c) * weight * e->share;
 
     if (brings >= least)
         return true;
@@ -407,7 +412,8 @@ static bool merge(const Bidirectional *b, const Eye *e, const Vertex *z, const K
                  rgb(k->flux[0], k->flux[1], k->flux[2]));
     if (rgb_black(*c))
         return false;
-    *c = rgb_scale(rgb_mul(e->beam.throughput, *c), fabsf(local.z) / v_absdot(wi, z->s.ng));
+    *c = rgb_scale(rgb_mul(e->beam.throughput, *c),
+                   e->share * fabsf(local.z) / v_absdot(wi, z->s.ng));
     *r = (Rivals){ 0.0f, 0.0f };
     if (b->joins == JOINS_ALL)
         *r = rivals_add(rivals_before(&k->odds, q, vertex_pdf_w(z, local)),
@@ -507,35 +513,100 @@ static bool go_on(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
     return beam_survives(&e->beam, b->roulette, t);
 }
 
+/* The first vertex of its path that is no delta is seen by way of such. */
+static bool splits(const Bidirectional *b, const Eye *e, const Vertex *z)
+{
+    return b->split > 1 && e->beam.depth > 0 && e->beam.way >= 0.0f && vertex_is_smooth(z);
+}
+
+/* At the next vertex after splitting. False: this part ends, others stand for it. */
+static bool part_counts(const Bidirectional *b, Eye *e, const Vertex *z)
+{
+    Part part = e->part;
+
+    e->part = WHOLE;
+    if (part == WHOLE || vertex_is_smooth(z))
+        return part != OTHER_PART;
+    e->share /= (float)b->split;
+    return true;
+}
+
+/* What a vertex that is a lamp, or scatters, brings. */
+static Rgb found_at(const Bidirectional *b, Eye *e, const Vertex *z, const LightVertex *path, int n,
+                    Tracer *t)
+{
+    float cosine = v_absdot(z->s.ng, e->beam.ray.d);
+    Rgb sum = rgb_all(0.0f);
+    float d2;
+
+    if (z->s.shape->light != NO_LIGHT)
+        sum = implicit_light(b, e, scene_light_of(b->scene, &z->s), &z->s, cosine, t);
+    if (e->beam.depth >= b->maxdepth || b->joins == JOINS_LENS)
+        return sum;
+    d2 = e->beam.depth == 0 && b->scene->camera->parallel ? 1.0f
+                                                          : v_len2(v_sub(z->s.p, e->p));
+    odds_arrive(&e->odds, &b->techniques, d2, cosine);
+    return vertex_is_smooth(z) ? rgb_add(sum, join_all(b, e, z, path, n, t)) : sum;
+}
+
+static bool ends_at(const Bidirectional *b, const Eye *e, const Tracer *t)
+{
+    return e->beam.depth >= b->maxdepth || b->joins == JOINS_LENS ||
+           (t->only && e->beam.depth + 1 >= t->only->eye);
+}
+
+static Rgb follow(const Bidirectional *b, Eye *e, const LightVertex *path, int n, Tracer *t);
+
+/* What the other parts of the path bring, which is split at z: not again. */
+static Rgb follow_others(const Bidirectional *b, const Eye *e, const Vertex *z,
+                         const LightVertex *path, int n, Tracer *t)
+{
+    Sampler whole = t->sampler, others = whole;
+    uint32_t parts = (uint32_t)b->split - 1;
+    Rgb sum = rgb_all(0.0f);
+
+    sampler_other(&others, PATH_SPLIT);
+    for (uint32_t k = 0; k < parts; k++) {
+        Eye other = *e;
+        other.part = OTHER_PART;
+        t->sampler = sampler_part(&others, parts, k);
+        if (go_on(b, &other, z, t))
+            sum = rgb_add(sum, follow(b, &other, path, n, t));
+    }
+    t->sampler = whole;
+    return sum;
+}
+
+/* The path from its next event on. */
+static Rgb follow(const Bidirectional *b, Eye *e, const LightVertex *path, int n, Tracer *t)
+{
+    Rgb sum = rgb_all(0.0f);
+
+    for (;;) {
+        Vertex z;
+        if (!beam_meets(&e->beam, &z.s, t))
+            return e->part == OTHER_PART ? sum : rgb_add(sum, implicit_sky(b, e, t));
+        vertex_make(&z, b->scene, e->beam.ray.d);
+        if (!part_counts(b, e, &z))
+            return sum;
+        sum = rgb_add(sum, found_at(b, e, &z, path, n, t));
+        if (ends_at(b, e, t))
+            return sum;
+        if (splits(b, e, &z)) {
+            sum = rgb_add(sum, follow_others(b, e, &z, path, n, t));
+            e->part = FIRST_PART;
+        }
+        if (!go_on(b, e, &z, t))
+            return sum;
+    }
+}
+
 Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *path, int n,
                        Tracer *t)
 {
     Eye e = eye_begin(b, r);
-    Rgb sum = rgb_all(0.0f);
 
-    if (t->only && t->only->eye == 0)
-        return sum;
-    for (;;) {
-        Vertex z;
-        float cosine, d2;
-        V3 way;
-        if (!beam_meets(&e.beam, &z.s, t))
-            return rgb_add(sum, implicit_sky(b, &e, t));
-        cosine = v_absdot(z.s.ng, e.beam.ray.d);
-        if (z.s.shape->light != NO_LIGHT)
-            sum = rgb_add(sum, implicit_light(b, &e, scene_light_of(b->scene, &z.s), &z.s, cosine,
-                                              t));
-        if (e.beam.depth >= b->maxdepth || b->joins == JOINS_LENS)
-            return sum;
-        way = v_sub(z.s.p, e.p);
-        d2 = e.beam.depth == 0 && b->scene->camera->parallel ? 1.0f : v_dot(way, way);
-        odds_arrive(&e.odds, &b->techniques, d2, cosine);
-        vertex_make(&z, b->scene, e.beam.ray.d);
-        if (vertex_is_smooth(&z))
-            sum = rgb_add(sum, join_all(b, &e, &z, path, n, t));
-        if ((t->only && e.beam.depth + 1 >= t->only->eye) || !go_on(b, &e, &z, t))
-            return sum;
-    }
+    return t->only && t->only->eye == 0 ? rgb_all(0.0f) : follow(b, &e, path, n, t);
 }
 
 /* ---- opening ---- */
@@ -545,6 +616,7 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
     b->scene = s;
     b->maxdepth = (int)opt_int(o, "maxdepth");
     b->roulette = (int)opt_int(o, "roulette");
+    b->split = (int)opt_int(o, "split");
     b->little = opt_float(o, "little");
     b->techniques.heuristic = opt_is(o, "weights", "power")     ? HEURISTIC_POWER
                               : opt_is(o, "weights", "balance") ? HEURISTIC_BALANCE

@@ -14,6 +14,12 @@
  *             taken at the second vertex of a light path, when that is known.
  * Visibility  is what connections cost. Those that bring little are tried by chance only
  *             ([Cline07 7.9.2]).
+ * Splitting   What lies between mirrors or panes on both sides is joined with nothing but what is
+ *             beyond them: the eye's path alone finds the light there, rarely, and bright. So the
+ *             first smooth vertex that the eye sees by way of deltas sends several rays. Those that
+ *             meet a delta next all go on, and count by their number; of what meets anything else
+ *             only the first ray's counts, whole. Each kind keeps its mean, so weights need not
+ *             know ([ArvoKirk90]).
  * Media       take light away; what they scatter is left out, with a warning. */
 #ifndef INTEGRATORS_BIDIRECTIONAL_H
 #define INTEGRATORS_BIDIRECTIONAL_H
@@ -51,7 +57,7 @@ typedef struct {
     LightSampler *sending;      /* owned: which one sends a path, by power */
     Techniques techniques;
     Joins joins;
-    int   maxdepth, roulette;
+    int   maxdepth, roulette, split;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
     float paths;                /* of light, for each of the eye's that a whole picture has */
     float little;               /* see tries() */
@@ -72,7 +78,8 @@ int  bidirectional_light(const Bidirectional *b, float time, LightVertex *path, 
 Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *path, int n,
                         Tracer *t);
 
-#define BIDIRECTIONAL_OPTIONS                                                  \
+/* split: see above; what pays where nothing is merged. */
+#define BIDIRECTIONAL_OPTIONS(parts)                                           \
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = DEPTH_MOST, \
       .help = "most scattering events of a path; 0 shows lights only" },       \
     { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth", \
@@ -83,6 +90,9 @@ Rgb  bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex 
     { .key = "little", .type = OPT_FLOAT, .num = 0.03, .lo = 0, .hi = 1,     \
       .help = "connections that bring less than this part of what the sample has found are tried " \
               "by chance; 0: all are tried" },                                 \
+    { .key = "split", .type = OPT_INT, .num = parts, .lo = 1, .hi = 256,          \
+      .help = "rays from the first vertex seen by way of mirrors or panes; those that meet " \
+              "others go on" },                                                \
     LIGHTING_LIGHTSAMPLER
 
 #endif

@@ -93,7 +93,7 @@ static bool trace(const Bidirectional *b, uint32_t pass, uint64_t path,
 
     sampler_pixel(&t->sampler, (uint32_t)path, (uint32_t)(path >> 32));
     sampler_start(&t->sampler, pass);
-    sampler_second(&t->sampler);
+    sampler_other(&t->sampler, PATH_FROM_LAMP);
     n = bidirectional_light(b, t->moment, y, t);
     for (int i = 0; i < n; i++) {
         KeptVertex k = keep(&y[i]);

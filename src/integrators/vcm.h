@@ -37,7 +37,7 @@ void     vcm_run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t u
 Rgb      vcm_radiance(const Integrator *base, const Ray *r, Tracer *t);
 
 #define VCM_OPTIONS                                                            \
-    BIDIRECTIONAL_OPTIONS,                                                     \
+    BIDIRECTIONAL_OPTIONS(1),                                                  \
     { .key = "radius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,       \
       .help = "of mergers in the first pass; 0: by share" },                   \
     { .key = "share", .type = OPT_FLOAT, .num = 0.003, .lo = 1e-7, .hi = 1,    \

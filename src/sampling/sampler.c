@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-enum { SECOND_PATH = 2 };
-
 #define SAMPLERS(X)                                                            \
     X(random)                   /* independent numbers */                      \
     X(zerotwo)                  /* (0,2)-sequences, scrambled */               \
@@ -46,13 +44,11 @@ void sampler_clear(Sampler *s)
 void sampler_pixel(Sampler *s, uint32_t x, uint32_t y)
 {
     s->pixel = key_with(s->seed, s->fixed ? 0 : (uint64_t)y << 32 | x);
-    s->second = false;
 }
 
-void sampler_second(Sampler *s)
+void sampler_other(Sampler *s, SamplerPath path)
 {
-    s->pixel = key_with(s->pixel, SECOND_PATH);
-    s->second = true;
+    s->pixel = key_with(s->pixel, (uint64_t)path);
     sampler_start(s, s->index);
 }
 

@@ -65,7 +65,6 @@ struct Sampler {
     uint32_t reversed;          /* the index with its bits in reverse, where the kind wants it */
     uint32_t spp;               /* planned samples a pixel; 0: not known */
     bool     fixed;             /* the same pattern in all pixels */
-    bool     second;            /* see sampler_second */
     int      way;               /* of randomizing, or another choice of the kind's own */
     int      dimensions;        /* of one sequence, where the kind has such */
     uint32_t block, most;       /* samples of a pattern; 0: not known, see pattern.h */
@@ -80,8 +79,10 @@ bool sampler_init(Sampler *s, const SamplerKind *kind, const Opts *o, uint64_t s
 void sampler_clear(Sampler *s);                         /* of all copies */
 void sampler_pixel(Sampler *s, uint32_t x, uint32_t y); /* before the first sample of a pixel */
 void sampler_start(Sampler *s, uint32_t index);         /* before each sample of the pixel */
-/* For the second path of a sample, the one from a lamp: decisions of the same names are others. */
-void sampler_second(Sampler *s);
+
+/* For a path of a sample beside the one from the eye: decisions of the same names are others. */
+typedef enum { PATH_FROM_LAMP = 2, PATH_SPLIT } SamplerPath;
+void sampler_other(Sampler *s, SamplerPath path);
 
 INLINE float sample_1d(Sampler *s, Decision d) { return s->kind->one(s, d); }
 INLINE V2    sample_2d(Sampler *s, Decision d) { return s->kind->two(s, d); }
