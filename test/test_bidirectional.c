@@ -122,14 +122,14 @@ static double connected(const Whole *w, int s)
         return w->lamp->kind->delta ? 0 : from_eye(w, 0);
     if ((s > 1 && w->x[s - 1].delta) || (s < k && w->x[s].delta))
         return 0;
-    return from_lamp(w, s) * from_eye(w, s);
+    return from_lamp(w, s) * from_eye(w, s) * (s == k ? (double)w->b->shown : 1);
 }
 
 static double merged(const Whole *w, int i)
 {
     const Techniques *q = &w->b->techniques;
 
-    if (w->x[i].delta || (i == w->edges - 1 && !q->first))
+    if (w->x[i].delta || (i == w->edges - 1 && !q->first) || (i == 1 && !q->straight))
         return 0;
     return q->eta * from_lamp(w, i + 1) * from_eye(w, i);
 }
@@ -332,7 +332,7 @@ static void one_pair(Pair *q, uint32_t index)
     q->ray = c->kind->ray(c, (V2){ 32 * sample_1d(&q->t.sampler, DECISION(DECIDE_TIME, 0)),
                                    32 * sample_1d(&q->t.sampler, DECISION(DECIDE_TIME, 1)) },
                           sample_2d(&q->t.sampler, DECISION(DECIDE_LENS, 0)), 0.0f);
-    sampler_second(&q->t.sampler);
+    sampler_other(&q->t.sampler, PATH_FROM_LAMP);
     n = bidirectional_light(&q->b, 0.0f, path, &q->t);
     trace_lamp(&q->b, &q->lamp, 0.0f, &q->t);
     sampler_pixel(&q->t.sampler, index, 7);
@@ -379,6 +379,7 @@ static void weights_of(const char *lamp, const char *options, float eta, bool fi
     REQUIRE(bidirectional_open(&q.b, "test", l.scene, &o), "%s", options);
     q.b.techniques.eta = eta;
     q.b.techniques.first = first;
+    q.b.techniques.straight = eta > 1.0f;
     q.l = &l;
     q.t.scene = l.scene;
     q.t.tally = &q.tally;
@@ -408,7 +409,7 @@ static void weights_many(long pairs)
     for (size_t i = 0; i < sizeof lamps / sizeof *lamps; i++)
         for (size_t k = 0; k < 3; k++) {
             char text[100];
-            snprintf(text, sizeof text, "bdpt:maxdepth=6,roulette=100,weights=%s%s", how[k],
+            snprintf(text, sizeof text, "bdpt:maxdepth=6,roulette=100,split=1,weights=%s%s", how[k],
                      i % 2 ? ",lightsampler=power" : "");
             weights_of(lamps[i], text, i % 3 == 1 ? 0.05f : i % 3 == 2 ? 30.0f : 0.0f, k % 2, pairs,
                        seen);
@@ -574,7 +575,7 @@ static void kept(void)
         int n, m;
         sampler_pixel(&t.sampler, i, 0);
         sampler_start(&t.sampler, 5);
-        sampler_second(&t.sampler);
+        sampler_other(&t.sampler, PATH_FROM_LAMP);
         n = bidirectional_light(&b, 0.0f, path, &t);
         m = lightstore_path(&store, i, again, &t);
         EXPECT(n == m, "path %lu: %d vertices, %d were kept", (unsigned long)i, n, m);

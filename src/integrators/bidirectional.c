@@ -12,6 +12,9 @@ static void tally_radius(Tracer *t, int i, Rgb c)
         t->tally->radius[i] = rgb_add(t->tally->radius[i], c);
 }
 
+/* See Bidirectional.shown. */
+static const float SHOWN = 1.0f / 3.0f;
+
 /* ---- densities of lamps ---- */
 
 static bool from_beyond(const Light *l)
@@ -64,7 +67,7 @@ static bool leave(const Bidirectional *b, Particle *p, float time, Start *s, Odd
     s->pdf = by->kind->pmf(by, v_all(0.0f), v_all(0.0f), s->lamp) * s->e.pdf_a * s->e.pdf_w;
     cosine = from_beyond(s->lamp) ? 1.0f : s->e.cosine;
     *o = (Odds){ 0.0f, s->lamp->kind->delta ? 0.0f : raised(&b->techniques, cosine / s->pdf),
-                 0.0f };
+                 0.0f, 0.0f };
     return true;
 }
 
@@ -79,6 +82,12 @@ static float last_of_lamp(const Bidirectional *b, const Start *s, const Vertex *
     pdf = asked_pdf(b, s->lamp, v->s.p, vertex_up(v), v_neg(d),
                     s->lamp->kind->infinite ? NULL : &there);
     return raised(&b->techniques, per_area(s->lamp, pdf, s->e.n, d, d2) / s->pdf);
+}
+
+/* Whether what is at the light path's vertex is merged. */
+INLINE bool merges_light(const Bidirectional *b, int edges)
+{
+    return b->techniques.straight || edges > 1;
 }
 
 /* On to the next surface, which *y then is. False: there is none. */
@@ -119,7 +128,7 @@ static bool scatter(const Bidirectional *b, Particle *p, const Vertex *v, Odds *
     cosine = v_absdot(v->s.ng, s.wi);
     if (s.pdf_w > 0.0f)
         odds_scatter(o, &b->techniques, cosine, s.pdf_w, v->b->kind->pdf_w(v->b, local, v->wo),
-                     true);
+                     merges_light(b, p->depth + 1));
     else
         odds_turn(o, &b->techniques, cosine);
     return particle_turns(p, v, &s, local) && particle_survives(p, b->roulette, t);
@@ -162,8 +171,9 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     if (rgb_black(seen))
         return;
     if (b->joins == JOINS_ALL)
-        r = rivals_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo), q->first,
-                      c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->paths);
+        r = rivals_at(&y->odds, q, v->b->kind->pdf_w(v->b, local, v->wo),
+                      q->first && merges_light(b, y->edges),
+                      c.we / c.pdf_w * v_absdot(v->s.ng, c.wi) / b->shown);
     weight = rivals_connected(r, q, q->eta);
     tracer_splat(t, c.pixel, y->edges + 1, STRATEGY_LENS, rgb_scale(seen, weight));
     show_beside(b, &c, y->edges + 1, r, weight, seen, t);
@@ -220,7 +230,7 @@ static Eye eye_begin(const Bidirectional *b, const Ray *r)
 
     if (b->techniques.connects && c->kind->view(c, r, &view)) {
         pdf = c->parallel ? view.we : view.pdf_w;
-        e.odds.last = raised(&b->techniques, b->paths / pdf);
+        e.odds.last = raised(&b->techniques, b->shown / pdf);
     }
     return e;
 }
@@ -253,7 +263,8 @@ static Rivals rivals_of_meeting(const Bidirectional *b, const Eye *e, const Ligh
     if (e->beam.depth == 0 || b->joins != JOINS_ALL)
         return (Rivals){ 0.0f, 0.0f };
     sent = raised(q, cosine > 0.0f ? sent_pdf(b, l, hit, v_neg(d)) / cosine : 0.0f);
-    r = (Rivals){ sent * e->odds.early, sent * e->odds.merged };
+    r = (Rivals){ sent * e->odds.early,
+                  sent * (q->straight ? e->odds.merged + e->odds.latest : e->odds.merged) };
     if (e->odds.last > 0.0f)
         r.connect += raised(q, asked_pdf(b, l, e->p, e->up, d, hit)) * e->odds.last;
     return r;
@@ -358,7 +369,8 @@ static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
     there = surface_at(ls.p, ls.err, ls.n, (V2){ 0, 0 });
     pdf = pmf * ls.pdf_w;
     d2 = from_beyond(l) ? 1.0f : ls.dist * ls.dist;
-    r = rivals_at(&e->odds, &b->techniques, s.back, merges_here(b, e),
+    r = rivals_at(&e->odds, &b->techniques, s.back,
+                  b->techniques.straight && merges_here(b, e),
                   sent_pdf(b, l, &there, v_neg(ls.wi)) * s.cosine /
                       (d2 * per_area(l, pdf, ls.n, ls.wi, d2)));
     if (!l->kind->delta)
@@ -387,7 +399,8 @@ static Rgb connect(const Bidirectional *b, Eye *e, const Vertex *z, const LightV
                 rgb_mul(y->flux, vertex_f_cos_of_light(&y->v, v_neg(wi), local)));
     if (rgb_black(c))
         return c;
-    r = rivals_add(rivals_at(&y->odds, q, y->v.b->kind->pdf_w(y->v.b, local, y->v.wo), true,
+    r = rivals_add(rivals_at(&y->odds, q, y->v.b->kind->pdf_w(y->v.b, local, y->v.wo),
+                             merges_light(b, y->edges),
                              s.forth * v_absdot(y->v.s.ng, wi) / d2),
                    rivals_at(&e->odds, q, s.back, merges_here(b, e),
                              vertex_pdf_w(&y->v, local) * s.cosine / d2));
@@ -405,6 +418,7 @@ static bool merge(const Bidirectional *b, const Eye *e, const Vertex *z, const K
 {
     const Techniques *q = &b->techniques;
     V3 wi = v_neg(kept_way(k)), local;
+    Odds light = kept_odds(k);
 
     if ((int)k->edges + e->beam.depth > b->maxdepth || !vertex_local(z, wi, &local))
         return false;
@@ -416,7 +430,7 @@ static bool merge(const Bidirectional *b, const Eye *e, const Vertex *z, const K
                    e->share * fabsf(local.z) / v_absdot(wi, z->s.ng));
     *r = (Rivals){ 0.0f, 0.0f };
     if (b->joins == JOINS_ALL)
-        *r = rivals_add(rivals_before(&k->odds, q, vertex_pdf_w(z, local)),
+        *r = rivals_add(rivals_before(&light, q, vertex_pdf_w(z, local)),
                         rivals_before(&e->odds, q, z->b->kind->pdf_w(z->b, local, z->wo)));
     return true;
 }
@@ -625,7 +639,8 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
     /* a count of techniques has to know which can make a path: what one leaves to others can't be
      * told */
     b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
-    b->paths = 1.0f;
+    b->shown = SHOWN;
+    b->techniques.straight = false;
     /* one lamp is no choice: whether it can be seen, sampling it tells */
     b->asked = lightsampler_open(s->nlights > 1 ? opt_string(o, "lightsampler") : "uniform", s);
     b->sending = lightsampler_open("power", s);

@@ -12,6 +12,11 @@
  * Merger      T f(z) F |cos ns| / |cos ng| / (pi r^2 n), with f at the eye's vertex (errata 4.5).
  * Density     of asking a lamp may depend on who asks (by solid angle, by contribution): so it is
  *             taken at the second vertex of a light path, when that is known.
+ * Lens        What light paths show to it falls into pixels by chance alone; the eye's paths are
+ *             spread evenly in each. So one of the former counts as a third of the latter in
+ *             weights: on the boxes' walls that leaves 0.75 of the variance, by 1/10 it is 0.9.
+ * Straight    Light that comes straight from lamps is not merged if it can be asked for: that has
+ *             less noise than its density says, as it is spread evenly, too.
  * Visibility  is what connections cost. Those that bring little are tried by chance only
  *             ([Cline07 7.9.2]).
  * Splitting   What lies between mirrors or panes on both sides is joined with nothing but what is
@@ -59,7 +64,8 @@ typedef struct {
     Joins joins;
     int   maxdepth, roulette, split;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
-    float paths;                /* of light, for each of the eye's that a whole picture has */
+    float shown;                /* as many of the eye's as what light paths show to the lens is as
+                                 * good as, to weights */
     float little;               /* see tries() */
     const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
     int   radii;                /* pictures by as many radii, the first of them the picture's: */

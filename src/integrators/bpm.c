@@ -9,9 +9,11 @@ static Integrator *open_bpm(const Scene *s, const Opts *o)
 {
     Vcm *it = (Vcm *)vcm_open("bpm", s, o);
 
-    if (it)
-        it->both.techniques.connects = false;
-    return it ? &it->base : NULL;
+    if (!it)
+        return NULL;
+    it->both.techniques.connects = false;
+    it->both.techniques.straight = true;
+    return &it->base;
 }
 
 static const OptDef options[] = { VCM_OPTIONS, { .key = NULL } };

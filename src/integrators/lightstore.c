@@ -18,14 +18,16 @@ bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths)
     if (!arrivals_init(&s->arrivals, sizeof(KeptVertex), paths))
         return false;
     s->first = MEM_ARRAY(uint32_t, s->arrivals.nbatches * (ARRIVALS_BATCH + 1));
-    if (s->first)
+    s->straight = s->first ? MEM_ARRAY(KeptVertex, (size_t)paths) : NULL;
+    if (s->straight)
         return true;
-    arrivals_clear(&s->arrivals);
+    lightstore_clear(s);
     return false;
 }
 
 void lightstore_clear(LightStore *s)
 {
+    mem_free(s->straight);
     mem_free(s->first);
     arrivals_clear(&s->arrivals);
     memset(s, 0, sizeof *s);
@@ -58,7 +60,8 @@ V3 kept_way(const KeptVertex *k)
 static KeptVertex keep(const LightVertex *y)
 {
     KeptVertex k = { { y->v.s.p.x, y->v.s.p.y, y->v.s.p.z }, { 0, 0 }, y->hit.u, y->hit.v,
-                     y->hit.outer, y->hit.prim, { y->flux.r, y->flux.g, y->flux.b }, y->odds,
+                     y->hit.outer, y->hit.prim, { y->flux.r, y->flux.g, y->flux.b },
+                     y->odds.last, y->odds.early, y->odds.merged + y->odds.latest,
                      y->medium == NO_MEDIUM ? NO_KEPT_MEDIUM : y->medium, (uint32_t)y->edges };
 
     way_fold(y->d, k.way);
@@ -75,7 +78,7 @@ static void make_again(const KeptVertex *k, LightVertex *y, Tracer *t)
     accel_surface(t->scene->accel, &r, &y->hit, &y->v.s);
     vertex_make(&y->v, t->scene, r.d);
     y->flux = rgb(k->flux[0], k->flux[1], k->flux[2]);
-    y->odds = k->odds;
+    y->odds = kept_odds(k);
     y->d = r.d;
     y->medium = k->medium == NO_KEPT_MEDIUM ? NO_MEDIUM : k->medium;
     y->edges = (int)k->edges;
@@ -85,17 +88,20 @@ static void make_again(const KeptVertex *k, LightVertex *y, Tracer *t)
 
 /* A path has a pattern of its own, over the passes: it is joined with the paths of one pixel alone,
  * which must see all of the lamps in turn. */
-static bool trace(const Bidirectional *b, uint32_t pass, uint64_t path,
+static bool trace(LightStore *s, const Bidirectional *b, uint32_t pass, uint64_t path,
                   ArrivalBatch *batch, Tracer *t)
 {
     LightVertex y[DEPTH_MOST];
-    int n;
+    int n, i = 0;
 
     sampler_pixel(&t->sampler, (uint32_t)path, (uint32_t)(path >> 32));
     sampler_start(&t->sampler, pass);
     sampler_other(&t->sampler, PATH_FROM_LAMP);
     n = bidirectional_light(b, t->moment, y, t);
-    for (int i = 0; i < n; i++) {
+    s->straight[path].edges = 0;
+    if (n && y[0].edges == 1 && !b->techniques.straight)
+        s->straight[path] = keep(&y[i++]);
+    for (; i < n; i++) {
         KeptVertex k = keep(&y[i]);
         if (!arrivals_add(batch, sizeof k, &k))
             return false;
@@ -113,7 +119,7 @@ static void trace_batch(LightStore *s, const Bidirectional *b, uint32_t pass, ui
     batch->n = 0;
     *first = 0;
     for (uint64_t i = arrivals_first(unit); i < end; i++) {
-        if (!trace(b, pass, i, batch, t)) {
+        if (!trace(s, b, pass, i, batch, t)) {
             t->failed = true;
             return;
         }
@@ -142,7 +148,11 @@ int lightstore_path(const LightStore *s, uint64_t number, LightVertex *path, Tra
     const uint32_t *first = s->first + unit * (ARRIVALS_BATCH + 1) + i;
     const KeptVertex *k = (const KeptVertex *)(const void *)s->arrivals.batches[unit].records;
 
+    int n = 0;
+
+    if (s->straight[number].edges)
+        make_again(&s->straight[number], &path[n++], t);
     for (uint32_t j = first[0]; j < first[1]; j++)
-        make_again(&k[j], &path[j - first[0]], t);
-    return (int)(first[1] - first[0]);
+        make_again(&k[j], &path[n++], t);
+    return n;
 }

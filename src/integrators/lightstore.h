@@ -4,6 +4,8 @@
  * Source      [GIRT 4.2, 5.4], [Georgiev12].
  * Small       64 bytes a vertex: what was hit, so that the vertex can be made again for
  *             connections, and what mergers need. The grid adds 16.
+ * Straight    What comes straight from lamps is not in the grid unless it is merged: at most one
+ *             vertex of a path, the first.
  * Order       Vertices stand by path, so that each of the eye's paths finds that one of its own. */
 #ifndef INTEGRATORS_LIGHTSTORE_H
 #define INTEGRATORS_LIGHTSTORE_H
@@ -17,13 +19,19 @@ typedef struct {
     float    u, v;              /* of the hit */
     uint32_t outer, prim;
     float    flux[3];
-    Odds     odds;
+    float    last, early, merged;   /* its odds */
     uint32_t medium : 24, edges : 8;
 } KeptVertex;
 
+INLINE Odds kept_odds(const KeptVertex *k)
+{
+    return (Odds){ k->last, k->early, k->merged, 0.0f };
+}
+
 struct LightStore {
     Arrivals arrivals;          /* owned */
-    uint32_t *first;            /* owned: of each path, within its batch */
+    KeptVertex *straight;       /* owned: of each path, edges 0 if there is none */
+    uint32_t *first;            /* owned: of each path, the others, within its batch */
     float    radius;            /* of mergers, in this pass */
 };
 

@@ -20,13 +20,17 @@
  *                 last    of having connected to y: what the next vertex' density is to be
  *                         multiplied by, to be taken away;
  *                 early   of all connections before that, and of meeting the lamp;
- *                 merged  of all mergers before y, over eta^b: so one path serves any radius.
+ *                 merged  of all mergers before the vertex before y, over eta^b: so one path
+ *                         serves any radius;
+ *                 latest  of that at the vertex before y, in the same way. It is apart because the
+ *                         merger next to a lamp may be left out, see `straight`.
  *
  *             at a vertex:    early' = (cos> / p>)^b ((p<)^b early + last)
- *                             merged' = (cos> / p>)^b ((p<)^b merged + 1), without the 1 where no
- *                             merging is done,  last' = (1 / p>)^b
- *             after a delta:  early' = cos>^b early, merged' = cos>^b merged, last' = 0
- *             along an edge:  last *= (d^2 / cos)^b,  early, merged /= cos^b
+ *                             merged' = (cos> p< / p>)^b (merged + latest),  last' = (1 / p>)^b,
+ *                             latest' = (cos> / p>)^b, or 0 where no merging is done
+ *             after a delta:  early' = cos>^b early, merged' = cos>^b (merged + latest),
+ *                             last' = latest' = 0
+ *             along an edge:  last *= (d^2 / cos)^b,  early, merged, latest /= cos^b
  *
  *             Cosines are to geometric normals: they make areas of solid angles.
  * Roulette    is in no density here. Weights may be any that add up to 1 for each path (errata
@@ -43,10 +47,11 @@ typedef struct {
     Heuristic heuristic;
     float eta;                  /* pi r^2 (light paths of a pass); 0: nothing is merged */
     bool  connects;             /* subpaths are; else they meet lamps or are merged */
-    bool  first;                /* merges where the eye's first ray ends, too */
+    bool  first;                /* merges where the eye's first ray ends, too, */
+    bool  straight;             /* and what comes straight from lamps */
 } Techniques;
 
-typedef struct { float last, early, merged; } Odds;
+typedef struct { float last, early, merged, latest; } Odds;
 
 /* x^b. */
 INLINE float raised(const Techniques *q, float x)
@@ -62,6 +67,7 @@ INLINE void odds_arrive(Odds *o, const Techniques *q, float d2, float cosine)
     o->last *= raised(q, d2) * inverse;
     o->early *= inverse;
     o->merged *= inverse;
+    o->latest *= inverse;
 }
 
 /* On from a vertex; there: how the density of going on, forth, is to that of going back. merges: at
@@ -72,7 +78,8 @@ INLINE void odds_scatter(Odds *o, const Techniques *q, float cosine, float forth
     float chance = raised(q, 1.0f / forth), out = raised(q, cosine) * chance;
     float in = raised(q, back);
     o->early = out * (in * o->early + o->last);
-    o->merged = out * (in * o->merged + (float)merges);
+    o->merged = out * in * (o->merged + o->latest);
+    o->latest = merges ? out : 0.0f;
     o->last = q->connects ? chance : 0.0f;
 }
 
@@ -81,7 +88,8 @@ INLINE void odds_turn(Odds *o, const Techniques *q, float cosine)
 {
     float out = raised(q, cosine);
     o->early *= out;
-    o->merged *= out;
+    o->merged = out * (o->merged + o->latest);
+    o->latest = 0.0f;
     o->last = 0.0f;
 }
 
@@ -93,7 +101,7 @@ typedef struct { float connect, merge; } Rivals;
 INLINE Rivals rivals_before(const Odds *o, const Techniques *q, float back)
 {
     float in = raised(q, back);
-    return (Rivals){ o->last + in * o->early, in * o->merged };
+    return (Rivals){ o->last + in * o->early, in * (o->merged + o->latest) };
 }
 
 /* And at the vertex itself, by merging; all times the density per area of being found, `there`. */

@@ -95,7 +95,7 @@ Integrator *vcm_open(const char *name, const Scene *s, const Opts *o)
     it->both.store = &it->store;
     it->both.techniques.first = opt_bool(o, "first");
     if (bidirectional_open(&it->both, name, s, o)) {
-        it->both.paths = (float)it->multiple;
+        it->both.shown *= (float)it->multiple;
         return &it->base;
     }
     vcm_close(&it->base);
@@ -110,6 +110,7 @@ static Integrator *open_vcm(const Scene *s, const Opts *o)
         return NULL;
     it->merges = !opt_is(o, "mode", "bdpt") && !opt_is(o, "mode", "lighttracing");
     it->both.techniques.connects = opt_is(o, "mode", "vcm") || opt_is(o, "mode", "bdpt");
+    it->both.techniques.straight = !it->both.techniques.connects;
     if (opt_is(o, "mode", "lighttracing"))
         it->both.joins = JOINS_LENS;
     if (opt_is(o, "mode", "ppm")) {

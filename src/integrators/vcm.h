@@ -27,7 +27,7 @@ typedef struct {
     uint32_t full_w;            /* the whole picture's */
 } Vcm;
 
-/* Options of both. `first`: whether the eye's first vertex is merged, too, unless they say. */
+/* By the options below. NULL: reported. */
 Integrator *vcm_open(const char *name, const Scene *s, const Opts *o);
 void     vcm_close(Integrator *base);
 bool     vcm_prepare(Integrator *base, const Film *f, uint64_t seed);
