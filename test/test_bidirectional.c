@@ -524,6 +524,52 @@ static void room(void)
     }
 }
 
+/* A floor seen in a mirror. folded: its lamp shines up, at a mirror above; else it hangs where that
+ * would show it, as bright, and light has one edge less. Something black is where it was. */
+static void add_periscope(Lab *l, bool folded)
+{
+    uint32_t mirror = lab_material(l, "mirror", "reflectance=1");
+    uint32_t black = lab_material(l, "diffuse", "reflectance=0");
+    uint32_t low = lab_quad(l, v3(-2.9f, -2, 2), v3(2.5f, 0, 0), v3(0, 4, 0), black);
+
+    lab_quad(l, v3(-2, -2, 0), v3(4, 0, 0), v3(0, 4, 0), lab_material(l, "diffuse", ""));
+    lab_quad(l, v3(3, -3, 0.1f), v3(0, 6, 0), v3(0, 0, 3), mirror);
+    if (folded)
+        lab_quad(l, v3(-5, -5, 4), v3(10, 0, 0), v3(0, 10, 0), mirror);
+    lab_shine(l, folded ? low : lab_quad(l, v3(-2.9f, -2, 6), v3(0, 4, 0), v3(2.5f, 0, 0), black),
+              "L=4/5/6");
+    lab_camera(l, v3(1, 0, 3), v3(3, 0, 1.2f), 25, "");
+    lab_build(l);
+}
+
+/* Light between mirrors on both sides is found by splitting, as bright as without mirrors; and no
+ * part of a split path shows more than its part. */
+static void split(void)
+{
+    static const char *const methods[] = { "bdpt:maxdepth=3", "vcm:mode=bdpt,maxdepth=3,split=3" };
+    Series plain, found;
+    Lab l;
+
+    lab_init(&l);
+    add_periscope(&l, false);
+    series_render(&l, &plain, "path:maxdepth=2", 32, 32, 1);
+    lab_clear(&l);
+    lab_init(&l);
+    add_periscope(&l, true);
+    for (size_t i = 0; i < 2; i++) {
+        series_render(&l, &found, methods[i], 32, i ? 48 : 12, 2);
+        series_expect_same(&found, &plain, 0.04, methods[i]);
+        series_clear(&found);
+    }
+    series_clear(&plain);
+    lab_clear(&l);
+    lab_init(&l);
+    lamp_add(&l, "infinite");
+    add_periscope(&l, true);
+    expect_path(&l, "bdpt:little=0", 1, 8, 0.04, "the sky in a mirror");
+    lab_clear(&l);
+}
+
 /* What lamps beyond glass do, and mirrors: all techniques have a part in it. */
 static void add_glass_room(Lab *l)
 {
@@ -592,6 +638,7 @@ static void kept(void)
     lightstore_clear(&store);
     bidirectional_clear(&b);
     sampler_clear(&t.sampler);
+    EXPECT(sizeof(KeptVertex) == 64, "a vertex takes %lu bytes", (unsigned long)sizeof(KeptVertex));
     lab_clear(&l);
 }
 
@@ -711,6 +758,7 @@ const TestCase test_bidirectional[] = {
     { "weights", weights, false },
     { "weights_many", weights_long, true },
     { "room", room, false },
+    { "split", split, false },
     { "lamps", lamps_balance, true },
     { "lamps_power", lamps_power, true },
     { "lamps_uniform", lamps_uniform, true },
