@@ -40,7 +40,7 @@ Rgb      vcm_radiance(const Integrator *base, const Ray *r, Tracer *t);
     BIDIRECTIONAL_OPTIONS(1),                                                  \
     { .key = "radius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,       \
       .help = "of mergers in the first pass; 0: by share" },                   \
-    { .key = "share", .type = OPT_FLOAT, .num = 0.003, .lo = 1e-7, .hi = 1,    \
+    { .key = "share", .type = OPT_FLOAT, .num = 0.005, .lo = 1e-7, .hi = 1,    \
       .help = "the same as a share of the scene's radius" },                   \
     { .key = "radii", .type = OPT_INT, .num = 1, .lo = 1, .hi = TALLY_RADII,   \
       .help = "pictures by as many radii, each half of the one before, from the same paths: " \
