@@ -64,6 +64,13 @@ INLINE bool phase_lasts(const IntegratorKind *k, int phase)
     return phase == last_stage(k) || (k->anew && k->radiance);
 }
 
+/* ---- setup.c ---- */
+
+/* From asked, settings, scene and film, all else being 0. False: reported. In any case
+ * job_clear. */
+bool job_init(Job *j);
+void job_clear(Job *j);         /* the film stays */
+
 /* ---- state.c ---- */
 
 /* Says what is rendered, in lines of a word and a value. False: reported. */
