@@ -407,7 +407,7 @@ static void watch(void)
     RenderSettings s;
     Film film, alone;
     Watched seen = { .n = 0 };
-    RenderWatch w = { &seen, keep_film, look_spp, NULL, LOOKS, 0 };
+    RenderWatch w = { &seen, keep_film, look_spp, NULL, LOOKS, 0, 0 };
     Lab l;
 
     small_scene(&l);
@@ -459,7 +459,7 @@ static void watch_clock(void)
     RenderSettings s;
     Film film, alone;
     Moments seen = { 0, -1 };
-    RenderWatch w = { &seen, count_moment, NULL, seconds, 0, 7 };
+    RenderWatch w = { &seen, count_moment, NULL, seconds, 0, 7, 0 };
     Lab l;
 
     small_scene(&l);

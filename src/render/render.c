@@ -162,6 +162,7 @@ static void report_now(const Job *j, RenderReport *r)
     r->samples = j->adapts ? adaptive_taken(&j->adaptive)
                : j->film->splats ? j->film->splats->shots : film_samples(j->film);
     r->rays = j->rays;
+    r->passes = j->pass;
     r->spp = !j->integrator->kind->radiance
                  ? j->first + (j->midway ? j->count : 0)
                  : (double)r->samples / ((double)j->film->w * j->film->h);
@@ -208,6 +209,12 @@ static void keep(Job *j, bool last)
     j->keep_at = k->every > 0 ? clock_wall() + k->every : INFINITY;
 }
 
+static void look_again(Job *j)
+{
+    const RenderWatch *w = j->settings.watch;
+    j->look_at = w && w->every > 0 ? clock_wall() + w->every : INFINITY;
+}
+
 /* What is done meanwhile is not counted as rendering. whole: between passes. */
 static void rest(Job *j, bool whole)
 {
@@ -215,11 +222,14 @@ static void rest(Job *j, bool whole)
     bool wanted = whole ? samples_to_look(j) || time_to_look(j)
                         : j->pass && j->integrator->kind->radiance && time_to_look(j);
 
+    wanted = wanted || wall >= j->look_at;
     j->paused = false;
-    if (wall >= j->keep_at)
+    if (wall >= j->keep_at && (whole || j->midway))
         keep(j, false);
-    if (wanted)
+    if (wanted) {
         look(j);
+        look_again(j);
+    }
     j->start += clock_wall() - wall;
     j->cpu += clock_cpu() - cpu;
 }
@@ -232,6 +242,8 @@ static void plan_pause(Job *j)
     double end = j->settings.seconds > 0 ? j->start + j->settings.seconds : INFINITY;
 
     j->pause_at = j->midway && j->keep_at < end ? j->keep_at : end;
+    if (j->look_at < j->pause_at)
+        j->pause_at = j->look_at;
 }
 
 static bool out_of_time(const Job *j)
@@ -262,7 +274,7 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     j->integrator->failed = j->integrator->failed || j->tracers[worker].failed;
     if (out_of_time(j) || j->integrator->failed)
         j->ended = true;
-    else if ((j->midway && clock_wall() >= j->keep_at) ||
+    else if ((j->midway && clock_wall() >= j->keep_at) || clock_wall() >= j->look_at ||
              (j->pass && j->integrator->kind->radiance && time_to_look(j)))
         j->paused = true;
     return !j->ended && !j->paused;
@@ -487,6 +499,7 @@ static bool run(Job *j)
     j->cpu += clock_cpu();
     j->start += clock_wall();
     j->keep_at = k && k->every > 0 ? clock_wall() + k->every : INFINITY;
+    look_again(j);
     if (!prepare(j))
         return false;
     if (j->pending && !j->ended && !job_take_state(j))
