@@ -218,7 +218,8 @@ static void screen_is_picture(void)
         pid = show_once();
         terminal_read(&t, 0);
         waitpid(pid, &status, 0);
-        EXPECT(status == 0 && t.frames == 1u + (t.rows == 1), "status %d, %u frames", status, t.frames);
+        EXPECT(status == 0 && t.frames == 1u + (t.rows == 1), "status %d, %u frames", status,
+               t.frames);
         expect_shown(&t, true_colour);
         EXPECT(terminal_is_restored(&t), "the terminal is not as it was");
         if (t.columns >= 80)

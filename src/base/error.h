@@ -6,7 +6,8 @@
  * are ASSERTs: they print the source place and abort.
  *
  * The report (how many warnings, which class of error, whether warnings are fatal, who takes the
- * lines) is, with the fault counters of mem.h and file.h, the only mutable state of the process. A mutex guards it. */
+ * lines) is, with the fault counters of mem.h and file.h, the only mutable state of the process. A
+ * mutex guards it. */
 #ifndef BASE_ERROR_H
 #define BASE_ERROR_H
 

@@ -154,6 +154,7 @@ typedef struct {
     Display display;
     const Denoiser *denoiser;
     Opts  denoiser_opts;
+    int   threads;
     Arena arena;
 } Look;
 
@@ -190,7 +191,7 @@ static bool look_parse(Look *l, Word query)
 /* False: said. */
 static bool denoise(const Look *l, Image *im)
 {
-    Noisy noisy = { im, NULL, NULL, NULL, NULL, 1 };
+    Noisy noisy = { im, NULL, NULL, NULL, NULL, l->threads };
     Image out;
 
     if (!l->denoiser)
@@ -236,6 +237,7 @@ static void get_image(Session *s, Word query, Answer *a)
     Look l;
     bool ok = look_parse(&l, query);
 
+    l.threads = session_threads(s);
     *a = (Answer){ HTTP_BAD, NULL, NULL, 0, "" };
     if (ok && !session_snapshot(s, pane_of(query), &shot))
         answer_error(a, HTTP_NOT_FOUND, "there is no picture yet");

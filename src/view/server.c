@@ -22,7 +22,8 @@
 
 #define HEAD_SECONDS 5.0                /* for a request to come */
 #define SEND_SECONDS 20.0               /* for an answer to go */
-enum { CONNECTIONS_MOST = 32, WAITING_MOST = 64, TICK_MS = 100 };
+#define TICK_SECONDS 0.1                /* to see whether it is all over */
+enum { CONNECTIONS_MOST = 32, WAITING_MOST = 64 };
 
 typedef struct {
     Door door;
@@ -52,7 +53,7 @@ static bool ready(int fd, short event, double end)
     return n > 0;
 }
 
-static HttpStatus receive(int fd, char *bytes, HttpRequest *r)
+static HttpStatus receive(Session *s, int fd, char *bytes, HttpRequest *r)
 {
     double end = clock_wall() + HEAD_SECONDS;
     HttpStatus status;
@@ -60,8 +61,11 @@ static HttpStatus receive(int fd, char *bytes, HttpRequest *r)
 
     while ((status = http_parse(bytes, n, r)) == HTTP_MORE) {
         ssize_t more;
-        if (!ready(fd, POLLIN, end))
-            return HTTP_TIMEOUT;
+        if (!ready(fd, POLLIN, d_min(end, clock_wall() + TICK_SECONDS))) {
+            if (clock_wall() >= end || session_has_quit(s))
+                return HTTP_TIMEOUT;
+            continue;
+        }
         more = recv(fd, bytes + n, HTTP_HEAD_MOST - n, 0);
         if (more == 0 || (more < 0 && errno != EINTR && errno != EAGAIN))
             return HTTP_MORE;           /* nobody is there any more */
@@ -120,7 +124,7 @@ static void converse(const Door *door, int fd)
 {
     char bytes[HTTP_HEAD_MOST];
     HttpRequest r;
-    HttpStatus status = receive(fd, bytes, &r);
+    HttpStatus status = receive(door->session, fd, bytes, &r);
     Answer a;
 
     if (status != HTTP_MORE) {
@@ -222,7 +226,7 @@ static void listen_on(Server *s, const volatile sig_atomic_t *stop)
     p.fd = s->fd;
     p.events = POLLIN;
     while (!*stop && !session_has_quit(s->door.session)) {
-        int fd = poll(&p, 1, TICK_MS) > 0 ? accept(s->fd, NULL, NULL) : -1;
+        int fd = poll(&p, 1, (int)(TICK_SECONDS * 1000)) > 0 ? accept(s->fd, NULL, NULL) : -1;
         if (fd >= 0) {
             fcntl(fd, F_SETFD, FD_CLOEXEC);
             fcntl(fd, F_SETFL, O_NONBLOCK);

@@ -313,7 +313,7 @@ static bool move(Session *s, const char *how, double x, double y, double z)
 
     measure(s, &height, &angle);
     if (!strcmp(how, "orbit"))
-        pose_orbit(&s->pose, -x * PI, -y * PI);
+        pose_orbit(&s->pose, x * PI, y * PI);
     else if (!strcmp(how, "turn"))
         pose_turn(&s->pose, -x * angle, -y * angle);
     else if (!strcmp(how, "pan"))
@@ -383,6 +383,8 @@ bool session_view(Session *s, const char *what)
 }
 
 /* ---- what there is ---- */
+
+int session_threads(const Session *s) { return s->base.threads; }
 
 uint64_t session_wait(Session *s, uint64_t since, double seconds)
 {

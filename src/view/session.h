@@ -41,6 +41,7 @@ bool session_pixel(Session *s, int pane, double x, double y, Rgb *c);
 
 /* All of its state, as an object. */
 void session_describe(Session *s, Json *j);
+int  session_threads(const Session *s);
 
 /* From the first call on, until the second, errors of this thread are kept in a->said, the last
  * one, and told to nobody else. */
