@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#define TIP_COSINE 0.9994               /* 2 degrees from the vertical are the least */
+#define UPRIGHT_LEAST 0.035             /* 2 degrees from the vertical are the least */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -134,15 +134,15 @@ static void turn_view(Pose *p, double right, double up)
     axis(p, 0, r);
     axis(p, 1, u);
     axis(p, 2, f);
-    before = fabs(dot(f, p->up));
+    before = dot(u, p->up);
     p->yaw += right * sense(p->up, f, r);
     base_axis(p, 0, r);
     base_axis(p, 1, u);
     base_axis(p, 2, f);
     p->pitch += up * sense(r, f, u);
-    axis(p, 2, f);
-    after = fabs(dot(f, p->up));
-    if (after > TIP_COSINE && after > before)
+    axis(p, 1, u);
+    after = dot(u, p->up);
+    if (after < UPRIGHT_LEAST && after < before)
         p->pitch = old;
 }
 
