@@ -2,7 +2,8 @@
  *
  * A session over 100 000 triangles is asked as a page asks it, but without sockets: a move of the
  * camera, the state until there is a picture of that or of a later one, and this picture's bytes.
- * Once with a rest between the moves, and once with a move sixty times a second, as a hand drags. */
+ * Once with a rest between the moves, and once with a move sixty times a second, as a hand
+ * drags. */
 #include "bench/bench.h"
 
 #include "view/answer.h"

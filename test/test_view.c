@@ -71,7 +71,7 @@ static void orbit(void)
     lab_clear(&s.lab);
 }
 
-/* Never upside down, however far it is dragged; and back again it comes to the place it left. */
+/* Never upside down, however far it is dragged. */
 static void upright(void)
 {
     Studio s;
@@ -84,7 +84,6 @@ static void upright(void)
             pose_matrix(&s.pose, m);
             EXPECT(m[1][1] > 0, "its up points down");
         }
-    s.pose.pitch = s.pose.yaw = 0;
     lab_clear(&s.lab);
 }
 
