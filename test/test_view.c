@@ -400,6 +400,73 @@ static void visitors(void)
         close(silent[k]);
 }
 
+/* ---- no memory ---- */
+
+static const char small_scene[] =
+    "LookAt 0 0 -5  0 0 0  0 1 0  Camera \"perspective\"\n"
+    "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12\n"
+    "WorldBegin  LightSource \"infinite\"  Shape \"sphere\"\n";
+
+static HttpStatus ask_here(const Door *door, bool post, const char *word, const char *query)
+{
+    HttpRequest r = { 0 };
+    char path[80];
+    HttpStatus status;
+    Answer a;
+
+    snprintf(path, sizeof path, "/%s/%s", door->token, word);
+    r.post = post;
+    r.path = (Word){ path, strlen(path) };
+    r.query = (Word){ query, strlen(query) };
+    r.host = (Word){ "127.0.0.1:7", 11 };
+    answer(door, &r, &a);
+    status = a.status;
+    answer_clear(&a);
+    return status;
+}
+
+/* Whichever request for memory fails, of a render or of an answer: the next ones are served, and
+ * nothing is left behind. */
+static void memory(void)
+{
+    ReadLimits limits = READ_LIMITS_DEFAULT;
+    long blocks = mem_blocks();
+    RenderRequest q = { 0 };
+    Door door = { 0 };
+    RenderSettings s;
+    SceneFile f;
+    Snapshot shot;
+
+    q.threads = 1;
+    q.spp = 2;
+    q.max_pixels = limits.max_pixels;
+    messages_quiet(true);
+    REQUIRE(scenefile_parse(&f, "small", small_scene, sizeof small_scene - 1, &limits) &&
+            settings_resolve(&s, &q, &f) && scene_build(f.scene, s.accel, &s.accel_opts, 1) &&
+            (door.session = session_new(&f, &s)) != NULL, "no session");
+    memset(door.token, 'a', TOKEN_LENGTH);
+    door.port = 7;
+    for (unsigned long k = 1; k < 90; k++) {
+        mem_fail_at(k, false);
+        ask_here(&door, true, "move", "how=orbit&x=0.01");
+        ask_here(&door, false, "state", "");
+        ask_here(&door, false, "tables", "");
+        ask_here(&door, false, "image", "denoise=gaussian&tonemap=local");
+        ask_here(&door, false, "pixel", "x=3&y=3");
+        ask_here(&door, true, "set", k % 2 ? "what=integrator&to=ao:samples=2"
+                                           : "what=accel&to=bvh");
+        mem_fail_at(0, false);
+    }
+    EXPECT(ask_here(&door, true, "set", "what=integrator&to=path") == HTTP_OK, "no more methods");
+    EXPECT(!session_has_quit(door.session), "it has given up");
+    for (uint64_t at = 0; !session_snapshot(door.session, 0, &shot);)
+        at = session_wait(door.session, at, 1);
+    image_clear(&shot.image);
+    session_free(door.session);
+    scenefile_clear(&f);
+    EXPECT(mem_blocks() == blocks, "%ld blocks are left", mem_blocks() - blocks);
+}
+
 /* Every member of every list that can be chosen stands in the tables, with its options. */
 static void tables(void)
 {
@@ -431,6 +498,7 @@ const TestCase test_view[] = {
     { "doors", doors, false },
     { "errors", errors, false },
     { "visitors", visitors, false },
+    { "memory", memory, false },
     { "tables", tables, false },
     { NULL, NULL, false }
 };

@@ -3,7 +3,7 @@
  * Idea        A connection is a request and its answer, on a thread of its own; a page waits for
  *             changes by asking a question that is answered late. So many connections at most, each
  *             with a limit of time for its head and for its answer: whoever is slow or says nothing
- *             keeps nobody else waiting for long. */
+ *             keeps nobody else waiting for long. SIGPIPE must be ignored. */
 #include "view/server.h"
 
 #include "base/clock.h"
@@ -77,7 +77,7 @@ static HttpStatus receive(Session *s, int fd, char *bytes, HttpRequest *r)
 static void send_all(int fd, const char *bytes, size_t n, double end)
 {
     while (n > 0 && ready(fd, POLLOUT, end)) {
-        ssize_t done = send(fd, bytes, n, MSG_NOSIGNAL);
+        ssize_t done = send(fd, bytes, n, 0);
         if (done < 0 && errno != EINTR && errno != EAGAIN)
             return;
         bytes += done > 0 ? done : 0;
