@@ -1,9 +1,9 @@
 /* pane.c -- the thread behind a picture: it renders what is wanted, first small and then whole.
  *
  * Idea        After a change the picture comes at once, of so few pixels that a sample of each is
- *             a matter of a twentieth of a second; then of four times as many, until all are there
- *             and get more and more samples. The small one is finished even if the camera has moved
- *             on meanwhile: somebody who drags it would else see nothing till the end.
+ *             a matter of some hundredths of a second; then of four times as many, until all are
+ *             there and get more and more samples. The small one is finished even if the camera has
+ *             moved on meanwhile: somebody who drags it would else see nothing till the end.
  * Sharing     Renders share what is in the scene, which does not change; each has a copy of the
  *             camera.
  * Asking      Renders look up every few milliseconds (RenderWatch) whether they are
@@ -15,7 +15,7 @@
 #include <string.h>
 
 #define LOOK_SECONDS 0.01               /* at most so long an unwanted render goes on */
-#define FIRST_SECONDS 0.05              /* for the small picture */
+#define FIRST_SECONDS 0.035             /* for the small picture */
 enum { SCALE_MOST = 16, SCALE_FIRST = 8 };
 
 /* A render of a pane. */
