@@ -24,6 +24,7 @@ const char *const page_script[] = {
 "async function post(word, query) {",
 "  const answer = await fetch(word + '?' + new URLSearchParams(query), { method: 'POST' });",
 "  complain(answer.ok ? '' : await answer.text());",
+"  if (!answer.ok && state) update();",
 "}",
 "",
 "async function watch() {",

@@ -120,13 +120,15 @@ static bool look(void *ctx, const Film *film, const RenderReport *r)
         show(shot, film, r);
         shot->show_at = now + d_min(1.0, 0.1 + 0.1 * (now - shot->start));
     }
-    return true;
+    return shot->scale > 1 || r->spp < shot->settings.spp;
 }
 
 /* ---- the render ---- */
 
 static uint32_t scaled(uint32_t n, uint32_t scale) { return n / scale + (n % scale != 0); }
 
+/* Methods that make their passes by a plan of the whole would make them too long to be left: they
+ * get none, and look() ends them. */
 static void set_size(RenderSettings *s, uint32_t scale)
 {
     s->w = scaled(s->w, scale);
@@ -137,6 +139,8 @@ static void set_size(RenderSettings *s, uint32_t scale)
     s->crop[3] = scaled(s->crop[3], scale);
     if (scale > 1)
         s->spp = 1;
+    else if (s->integrator->batch)
+        s->spp = 0;
 }
 
 static double pixels_of(const Shot *shot, uint32_t scale)
