@@ -1,7 +1,9 @@
 /* test_cli_output.c -- writing that fails, and renders that are interrupted: an old file stays as
  * it is until a new one is whole, nothing lies beside it, and what was rendered is not lost. */
+#include "base/clock.h"
 #include "cli/args.h"
 #include "image/image.h"
+#include "integrators/integrator.h"
 #include "test/cli_help.h"
 
 #include <errno.h>
@@ -240,11 +242,14 @@ static void nap(void)
 static void interrupt_by(int sig)
 {
     Cli c = start_long(NULL, "a.pfm");
+    double start;
     Image im;
 
     nap();
+    start = clock_wall();
     kill(c.pid, sig);
     cli_wait(&c);
+    EXPECT(clock_wall() - start < 10, "it takes %.1f s to end", clock_wall() - start);
     EXPECT(c.status == STATUS_INTERRUPTED, "status %d: %s", c.status, c.err);
     EXPECT(cli_lines(c.err) == 3 && strstr(c.err, "a.pfm (interrupted): ") &&
            strstr(c.err, "--resume a.part goes on\n"), "it says: %s", c.err);
@@ -261,6 +266,33 @@ static void interrupted(void)
     interrupt_by(SIGINT);
     cli_write_text("a.pfm", "old");
     interrupt_by(SIGTERM);
+}
+
+/* Whatever renders, within a second, in the middle of a pass and of what comes before the first;
+ * but swarm, whose bands learn as they go, ends its pass, of which a plan of years makes one of
+ * months. */
+static void interrupted_soon(void)
+{
+    cli_scene();
+    for (int k = 0; integrators[k]; k++)
+        for (int naps = 1; naps <= 25; naps += 24) {
+            const char *name = integrators[k]->info.name;
+            double start;
+            Cli c;
+            if (!strcmp(name, "swarm"))
+                continue;
+            c = cli_start(NULL, "tiny.pbrt --spp 4000000000 --threads 2 --size 320x240 "
+                          "--integrator %s -o a.pfm", name);
+            cli_await(&c, "built in");
+            for (int i = 0; i < naps; i++)
+                nap();
+            start = clock_wall();
+            kill(c.pid, SIGINT);
+            cli_wait(&c);
+            EXPECT(c.status == STATUS_INTERRUPTED, "%s: status %d: %s", name, c.status, c.err);
+            EXPECT(clock_wall() - start < 1, "%s, after %d ms: %.2f s", name, 20 * naps,
+                   clock_wall() - start);
+        }
 }
 
 /* An interrupted render that cannot be written is an error of writing. */
@@ -312,6 +344,7 @@ const TestCase test_cli_output[] = {
     { "old_files", old_files, false },
     { "closed_output", closed_output, false },
     { "interrupted", interrupted, false },
+    { "interrupted_soon", interrupted_soon, true },
     { "interrupted_unwritten", interrupted_unwritten, false },
     { "interrupted_twice", interrupted_twice, false },
     { NULL, NULL, false }

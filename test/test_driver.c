@@ -407,7 +407,7 @@ static void watch(void)
     RenderSettings s;
     Film film, alone;
     Watched seen = { .n = 0 };
-    RenderWatch w = { &seen, keep_film, look_spp, NULL, LOOKS, 0 };
+    RenderWatch w = { &seen, keep_film, look_spp, NULL, LOOKS, 0, 0 };
     Lab l;
 
     small_scene(&l);
@@ -459,7 +459,7 @@ static void watch_clock(void)
     RenderSettings s;
     Film film, alone;
     Moments seen = { 0, -1 };
-    RenderWatch w = { &seen, count_moment, NULL, seconds, 0, 7 };
+    RenderWatch w = { &seen, count_moment, NULL, seconds, 0, 7, 0 };
     Lab l;
 
     small_scene(&l);
@@ -472,6 +472,75 @@ static void watch_clock(void)
     EXPECT(films_equal(&film, &alone), "another picture");
     film_clear(&film);
     film_clear(&alone);
+    lab_clear(&l);
+}
+
+static bool count_looks(void *ctx, const Film *film, const RenderReport *so_far)
+{
+    int *n = ctx;
+
+    (void)film;
+    (void)so_far;
+    ++*n;
+    return true;
+}
+
+/* Whoever renders, and in whatever phase somebody looks: the picture is the same. */
+static void watch_always(void)
+{
+    static const char *const SOME[] = { "path", "swarm", "irradiancecache", "vcm", "pssmlt", "sppm",
+                                        "photonmap:photons=2000", "instantradiosity:paths=20" };
+    size_t n = 0;
+    Lab l;
+
+    small_scene(&l);
+    while (integrators[n])
+        n++;
+    n = test_is_long() ? n : sizeof SOME / sizeof *SOME;
+    for (size_t k = 0; k < n; k++) {
+        const char *name = test_is_long() ? integrators[k]->info.name : SOME[k];
+        RenderReport report;
+        RenderSettings s;
+        Film film, alone;
+        int looks = 0;
+        RenderWatch w = { &looks, count_looks, NULL, NULL, 0, 0, 1e-4 };
+        picture_settings(&l, &s, name, 2 * FILM_TILE + 3, FILM_TILE + 5, 4);
+        s.threads = 2;
+        picture_render(&l, &s, &alone, &report);
+        s.watch = &w;
+        picture_render(&l, &s, &film, &report);
+        EXPECT(looks > 0, "%s: nobody looks", name);
+        EXPECT(films_equal(&film, &alone), "%s: another picture", name);
+        film_clear(&film);
+        film_clear(&alone);
+    }
+    lab_clear(&l);
+}
+
+/* Somebody who has seen enough ends it soon, though the first pass would take years. */
+static bool see_once(void *ctx, const Film *film, const RenderReport *so_far)
+{
+    (void)film;
+    (void)so_far;
+    return --*(int *)ctx > 0;
+}
+
+static void watch_ends(void)
+{
+    int left = 3;
+    RenderWatch w = { &left, see_once, NULL, NULL, 0, 0, 1e-3 };
+    RenderReport report;
+    RenderSettings s;
+    Film film;
+    Lab l;
+
+    small_scene(&l);
+    picture_settings(&l, &s, "", 1000, 1000, 1 << 20);
+    s.watch = &w;
+    picture_render(&l, &s, &film, &report);
+    EXPECT(!left && report.passes == 0 && !report.interrupted, "%d looks left, %lu passes", left,
+           (unsigned long)report.passes);
+    film_clear(&film);
     lab_clear(&l);
 }
 
@@ -529,6 +598,8 @@ const TestCase test_driver[] = {
     { "interrupt", interrupt, false },
     { "watch", watch, false },
     { "watch_clock", watch_clock, false },
+    { "watch_always", watch_always, false },
+    { "watch_ends", watch_ends, false },
     { "time_budget", time_budget, false },
     { "error_budget", error_budget, false },
     { NULL, NULL, false }

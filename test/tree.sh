@@ -5,7 +5,8 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 bad=$(mktemp "${TMPDIR:-/tmp}/rushlight-tree-XXXXXX") || exit 1
 trap 'rm -f "$bad"' EXIT
-rooms="base sampling image geometry accel bsdf scene scenefile lightsampling integrators render cli"
+rooms="base sampling image geometry accel bsdf scene scenefile lightsampling integrators render"
+rooms="$rooms view cli"
 ours="src/*/*.[ch] test/*.[ch] test/*.sh bench/*.[ch] src/*.sh"
 
 awk -v rooms="$rooms" '

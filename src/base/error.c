@@ -15,6 +15,30 @@ static struct {
     bool     strict, quiet, said_memory;
 } report = { PTHREAD_MUTEX_INITIALIZER, STATUS_OK, 0, false, false, false };
 
+static struct {
+    pthread_mutex_t lock;
+    void (*take)(void *ctx, const char *line);
+    void *ctx;
+} listener = { PTHREAD_MUTEX_INITIALIZER, NULL, NULL };
+
+static void put_line(const char *line)
+{
+    pthread_mutex_lock(&listener.lock);
+    if (listener.take)
+        listener.take(listener.ctx, line);
+    else
+        fprintf(stderr, "%s\n", line);
+    pthread_mutex_unlock(&listener.lock);
+}
+
+void messages_to(void (*take)(void *ctx, const char *line), void *ctx)
+{
+    pthread_mutex_lock(&listener.lock);
+    listener.take = take;
+    listener.ctx = ctx;
+    pthread_mutex_unlock(&listener.lock);
+}
+
 /* Control characters of hostile names and files must not reach the terminal, and a message is one
  * line whatever stands in it. Bytes above 127 pass: they are the user's UTF-8. */
 static void make_printable(char *s)
@@ -38,7 +62,7 @@ static void say(Place at, const char *kind, const char *fmt, va_list args)
         snprintf(where, sizeof where, "%.320s: ", at.file);
     snprintf(line, sizeof line, "rushlight: %s%s%s", where, kind, text);
     make_printable(line);
-    fprintf(stderr, "%s\n", line);
+    put_line(line);
 }
 
 static void raise_status(Status s)
@@ -81,14 +105,17 @@ bool err_output(const char *file, const char *fmt, ...)
 
 bool err_memory(size_t bytes)
 {
+    char line[100];
     bool first;
+
     pthread_mutex_lock(&report.lock);
     first = !report.said_memory;
     report.said_memory = true;
     pthread_mutex_unlock(&report.lock);
+    snprintf(line, sizeof line, "rushlight: out of memory: %lu bytes were asked for",
+             (unsigned long)bytes);
     if (first)
-        fprintf(stderr, "rushlight: out of memory: %lu bytes were asked for\n",
-                (unsigned long)bytes);
+        put_line(line);
     raise_status(STATUS_OUTPUT);
     return false;
 }

@@ -5,8 +5,9 @@
  * pass `false` (or NULL) up. The class of the first error becomes the exit status. Faults of ours
  * are ASSERTs: they print the source place and abort.
  *
- * The report (how many warnings, which class of error, whether warnings are fatal) is, with the
- * fault counters of mem.h and file.h, the only mutable state of the process. A mutex guards it. */
+ * The report (how many warnings, which class of error, whether warnings are fatal, who takes the
+ * lines) is, with the fault counters of mem.h and file.h, the only mutable state of the process. A
+ * mutex guards it. */
 #ifndef BASE_ERROR_H
 #define BASE_ERROR_H
 
@@ -44,6 +45,10 @@ void note(const char *fmt, ...) PRINTF_LIKE(1, 2);
 void     warnings_fatal(bool on);
 void     messages_quiet(bool on);        /* no notes, no progress; errors and warnings stay */
 bool     messages_are_quiet(void);
+/* From now on lines go, one at a time and without their end, to take(), which says nothing itself,
+ * and not to standard error; NULL: to standard error again. For those who have drawn there, or
+ * answer to somebody else. */
+void     messages_to(void (*take)(void *ctx, const char *line), void *ctx);
 unsigned warnings_count(void);
 Status   err_status(void);               /* class of the first error so far, or STATUS_OK */
 void     err_forgive(void);              /* what failed has been made good: there was no error */

@@ -1,7 +1,6 @@
 /* work.c -- the work queue. See work.h. */
 #include "base/work.h"
 
-#include <pthread.h>
 #include <unistd.h>
 
 static struct { pthread_mutex_t lock; unsigned long calls, fail_at; } fault = {
@@ -40,7 +39,7 @@ static void *worker_main(void *arg)
  * C libraries give a thread that asks for nothing. */
 #define STACK_BYTES ((size_t)2 << 20)
 
-static bool start(Worker *w)
+bool work_thread(pthread_t *thread, void *(*run)(void *), void *arg)
 {
     pthread_attr_t attr;
     bool fail, started = false;
@@ -51,7 +50,7 @@ static bool start(Worker *w)
     if (fail || pthread_attr_init(&attr))
         return false;
     started = !pthread_attr_setstacksize(&attr, STACK_BYTES) &&
-              !pthread_create(&w->thread, &attr, worker_main, w);
+              !pthread_create(thread, &attr, run, arg);
     pthread_attr_destroy(&attr);
     return started;
 }
@@ -69,7 +68,7 @@ uint64_t work_run(const Work *work, int threads)
     for (; n < threads; n++) {
         workers[n].queue = &q;
         workers[n].worker = n;
-        if (!start(&workers[n]))
+        if (!work_thread(&workers[n].thread, worker_main, &workers[n]))
             break;
     }
     workers[0].queue = &q;

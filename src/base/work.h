@@ -3,6 +3,7 @@
 #ifndef BASE_WORK_H
 #define BASE_WORK_H
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -20,6 +21,9 @@ typedef struct {
 /* Runs the units on `threads` threads (the caller's is one of them) and waits. Where threads
  * cannot be made it goes on with fewer. Returns how many units were done. */
 uint64_t work_run(const Work *w, int threads);
+
+/* A thread with a stack that renders can run on. False: there is none; not reported. */
+bool work_thread(pthread_t *thread, void *(*run)(void *), void *arg);
 
 int  processors(void);                                      /* online now; at least 1 */
 void work_fail_at(unsigned long k);     /* tests: thread creation k from now fails; 0: none */

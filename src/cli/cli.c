@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define COMMANDS(X) X(render) X(merge) X(cast) X(race) X(compare) X(convert) X(info) X(list) \
-    X(completion) X(man) X(help)
+#define COMMANDS(X) X(render) X(view) X(merge) X(cast) X(race) X(compare) X(convert) X(info) \
+    X(list) X(completion) X(man) X(help)
 #define DECLARE(name) extern const Command command_##name;
 #define ENTRY(name) &command_##name,
 COMMANDS(DECLARE)

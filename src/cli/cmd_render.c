@@ -6,6 +6,7 @@
 #include "cli/displayargs.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
+#include "cli/preview.h"
 #include "cli/sceneargs.h"
 
 #include <stdio.h>
@@ -13,7 +14,7 @@
 
 enum {
     ARG_OUTPUT, ARG_INTEGRATOR, ARG_SPP, ARG_TIME, ARG_ERROR, ARG_ADAPTIVE, ARG_AOV, ARG_DENOISE,
-    ARG_FIREFLIES, ARG_AUTOSAVE, ARG_RESUME, ARG_SHARD, ARG_DISPLAY,
+    ARG_FIREFLIES, ARG_AUTOSAVE, ARG_RESUME, ARG_SHARD, ARG_PREVIEW, ARG_DISPLAY,
     ARG_SCENE = ARG_DISPLAY + DISPLAY_ARGS_N
 };
 
@@ -29,6 +30,7 @@ static const ArgDef args[] = {
     { "--autosave", "SECONDS", "write the picture, and the state in FILE.part, now and then" },
     { "--resume", "FILE.part", "go on from that state, by the same command" },
     { "--shard", "I/N", "the I-th share of N of the samples, to a .part; see help merge" },
+    { "--preview", NULL, "shows the picture in the terminal while it is rendered" },
     DISPLAY_ARGS,
     SCENE_ARGS,
     { NULL, NULL, NULL }
@@ -38,6 +40,7 @@ typedef struct {
     const char *scene;
     Outputs outputs;
     const char *state;          /* where it goes; NULL: nobody said */
+    bool preview;
     bool keeps;                 /* it is written, however the render ends */
     double autosave;            /* seconds between states; 0: none */
     RenderRequest request;
@@ -97,6 +100,7 @@ static bool set(void *ctx, int k, const char *value)
         return true;
     case ARG_OUTPUT:     return set_output(l, value);
     case ARG_RESUME:     q->resume = value; return true;
+    case ARG_PREVIEW:    l->preview = true; return true;
     case ARG_INTEGRATOR: q->integrator = value; return true;
     case ARG_ADAPTIVE:   q->adaptive = value; return true;
     case ARG_AOV:        return set_aov(l, value);
@@ -244,6 +248,22 @@ static bool finish(const Line *l, const RenderSettings *s, const Film *film, con
     return k->written;
 }
 
+/* False: reported, *film empty. */
+static bool render_seen(const Line *l, const Scene *scene, RenderSettings *s, Film *film,
+                        RenderReport *report)
+{
+    Preview preview;
+    bool ok;
+
+    if (!l->preview)
+        return render(scene, s, film, report);
+    if (!preview_start(&preview, &l->outputs.display, s))
+        return false;
+    ok = render(scene, s, film, report);
+    preview_end(&preview);
+    return ok;
+}
+
 static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
 {
     RenderSettings s;
@@ -273,7 +293,7 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
          (unsigned long)geometry_prims(f->scene->accel->geo), (unsigned long)f->scene->nlights,
          clock_text(t, sizeof t, clock_wall() - start), (double)mem_bytes() / 1048576.0);
-    if (!render(f->scene, &s, &film, &report))
+    if (!render_seen(l, f->scene, &s, &film, &report))
         return false;
     ok = finish(l, &s, &film, &keeping, &report);
     if (report.interrupted)

@@ -1,4 +1,4 @@
-/* interrupt.c -- see interrupt.h. The flag is all that a handler may touch. */
+/* interrupt.c -- see interrupt.h. A handler may touch flags, and write. */
 #include "cli/interrupt.h"
 
 #include "base/error.h"
@@ -7,14 +7,21 @@
 #include <unistd.h>
 
 static volatile sig_atomic_t interrupted;
+static const char *volatile farewell;
 
 static void on_signal(int sig)
 {
+    const char *text = farewell;
+
     (void)sig;
+    if (interrupted && text && write(2, text, strlen(text)) < 0)
+        text = NULL;                            /* nobody is left to read it */
     if (interrupted)
         _exit(STATUS_INTERRUPTED);              /* asked twice: at once */
     interrupted = 1;
 }
+
+void interrupts_farewell(const char *text) { farewell = text; }
 
 const volatile sig_atomic_t *interrupts_catch(void)
 {

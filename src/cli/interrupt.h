@@ -8,4 +8,8 @@
  * flag is 0 again. SIGPIPE is ignored: a closed pipe is an error of writing. */
 const volatile sig_atomic_t *interrupts_catch(void);
 
+/* What the second one writes to standard error before it ends the program, by one who has changed
+ * the terminal; a text that lasts. NULL: nothing. */
+void interrupts_farewell(const char *text);
+
 #endif

@@ -42,7 +42,8 @@ struct Job {
     int          left_phase;            /* again as it was then */
     int          looked_spp, looked_seconds;    /* entries of the watch that are behind */
     bool         paused;                /* somebody wants to look */
-    double       keep_at, pause_at;     /* clock: of the next autosave; of the next pause */
+    double       keep_at, look_at;      /* clock: of the next autosave; of the next regular look; */
+    double       pause_at;              /* of the next pause */
     uint64_t    *rays_seen, *shots_seen;        /* of each worker, counted already */
     Progress     progress;
     double       start, cpu;            /* clocks at the start, later by what looking took */
@@ -63,6 +64,13 @@ INLINE bool phase_lasts(const IntegratorKind *k, int phase)
 {
     return phase == last_stage(k) || (k->anew && k->radiance);
 }
+
+/* ---- setup.c ---- */
+
+/* From asked, settings, scene and film, all else being 0. False: reported. In any case
+ * job_clear. */
+bool job_init(Job *j);
+void job_clear(Job *j);         /* the film stays */
 
 /* ---- state.c ---- */
 

@@ -195,7 +195,7 @@ static bool run_once(Runner *r, uint64_t seed)
     const RaceOrder *o = r->order;
     RenderSettings s = r->base;
     double seconds[2 * RACE_LOOKS];
-    RenderWatch w = { r, look, o->spp, seconds, o->nspp, 0 };
+    RenderWatch w = { r, look, o->spp, seconds, o->nspp, 0, 0 };
     RenderReport report;
     Film film;
     bool ok;
@@ -225,7 +225,7 @@ static bool look_to_save(void *ctx, const Film *film, const RenderReport *so_far
 static bool run_fresh(Runner *r, uint64_t seed)
 {
     const RaceOrder *o = r->order;
-    RenderWatch w = { r, look_to_save, NULL, o->autosave, 0, o->nautosave };
+    RenderWatch w = { r, look_to_save, NULL, o->autosave, 0, o->nautosave, 0 };
     RenderReport report;
     Film film;
 

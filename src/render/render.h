@@ -66,6 +66,7 @@ typedef struct {
     uint64_t samples, rays;             /* with splats, shots are what is counted */
     double   spp;                       /* samples a pixel: their mean; of whole passes, if the
                                          * integrator does not give radiance along a ray */
+    uint32_t passes;                    /* whole ones */
     bool     interrupted;
 } RenderReport;
 
@@ -73,13 +74,16 @@ typedef struct {
  * spp[k] samples, and (from the first whole pass on, and within a pass only if the integrator gives
  * radiance along a ray) when seconds[k] of rendering have passed: some tiles then have had samples
  * that others have not yet had. What `look` takes itself is not counted as rendering. Both lists
- * rise and are borrowed. */
+ * rise and are borrowed.
+ * With `every`, besides, so many seconds after each look, wherever the render is, if it has not
+ * taken a single sample yet: for those who show the picture to somebody, or may want to end it. */
 typedef struct {
     void *ctx;
     bool (*look)(void *ctx, const Film *film, const RenderReport *so_far);    /* false: end */
     const uint32_t *spp;
     const double   *seconds;
     int nspp, nseconds;
+    double every;               /* 0: no */
 } RenderWatch;
 
 /* Somebody who keeps what there is, so that nothing is lost and the render can go on another day:

@@ -121,5 +121,6 @@ static const OptDef options[] = { LENS_OPTIONS, CAMERA_OPTIONS, { .key = NULL } 
 const CameraKind camera_orthographic = {
     .info = { "orthographic", "PBRT4 5.2.1", "parallel rays; with a lens, cones of one size",
               options },
+    .bytes = sizeof(Orthographic),
     .make = make, .film = film, .ray = ray, .view = view, .sample = sample
 };

@@ -124,5 +124,6 @@ static const OptDef options[] = {
 
 const CameraKind camera_perspective = {
     .info = { "perspective", "Cline07 7.3.3", "pinhole or thin lens", options },
+    .bytes = sizeof(Perspective),
     .make = make, .film = film, .ray = ray, .view = view, .sample = sample
 };

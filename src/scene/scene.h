@@ -290,6 +290,7 @@ typedef struct {
 typedef struct Camera Camera;
 typedef struct {
     KindInfo info;
+    size_t bytes;               /* of one, which may be copied: it owns nothing */
     Camera *(*make)(const Making *m, const Opts *o);    /* to_world: camera to world */
     void (*film)(Camera *c, uint32_t w, uint32_t h);    /* the picture's size, before any ray */
     /* The ray through (x, y) in pixels from the top left, lens position u in [0,1)^2. Unit d. */

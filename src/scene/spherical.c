@@ -117,9 +117,11 @@ static const OptDef rows[] = { MAPPING("equirectangular"), CAMERA_OPTIONS, { .ke
 
 const CameraKind camera_spherical = {
     .info = { "spherical", "PBRT4 5.3", "all around, area onto area", squares },
+    .bytes = sizeof(Spherical),
     .make = make, .film = film, .ray = ray, .view = view, .sample = sample
 };
 const CameraKind camera_environment = {
     .info = { "environment", "PBRT4 5.3", "all around, by latitude and longitude", rows },
+    .bytes = sizeof(Spherical),
     .make = make, .film = film, .ray = ray, .view = view, .sample = sample
 };
