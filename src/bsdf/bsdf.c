@@ -24,3 +24,11 @@ float bsdf_pdf_none(const Bsdf *b, V3 wo, V3 wi)
     (void)b, (void)wo, (void)wi;
     return 0.0f;
 }
+
+int bsdf_matt_lobe_peaks(const Bsdf *b, V3 wo, V3 peak[16])
+{
+    (void)b;
+    peak[0] = normal_z(wo);
+    peak[1] = mirror_z(wo);
+    return 2;
+}
