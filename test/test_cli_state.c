@@ -69,7 +69,7 @@ static void refused(void)
     for (size_t i = 0; i < sizeof OTHER / sizeof *OTHER; i++)
         CLI_FAILS(STATUS_INPUT, OTHER[i].says, "tiny.pbrt --quiet %s --resume a.part%s",
                   OTHER[i].args, strstr(OTHER[i].args, "shard") ? "" : " -o b.pfm");
-    CLI_FAILS(STATUS_INPUT, "sky.pfm: is damaged or not whole",
+    CLI_FAILS(STATUS_INPUT, "sky.pfm: is not the state of a render",
               "tiny.pbrt --quiet -o b.pfm --resume sky.pfm");
     CLI_FAILS(STATUS_INPUT, "c.part: cannot be opened: No such file or directory",
               "tiny.pbrt --quiet -o b.pfm --resume c.part");
