@@ -348,7 +348,8 @@ static void refused(void)
 
     messages_quiet(true);
     any_scene(&l);
-    EXPECT(!lab_opens(&l, "sppm:radius=100") && !lab_opens(&l, "ppm:radius=100"), "beyond the scene");
+    EXPECT(!lab_opens(&l, "sppm:radius=100") && !lab_opens(&l, "ppm:radius=100"),
+           "beyond the scene");
     EXPECT(lab_opens(&l, "sppm:radius=1"), "a radius of 1");
     before = warnings_count();
     REQUIRE(scene_add_medium(l.scene, &fog, NULL), "memory");
