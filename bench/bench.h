@@ -3,6 +3,7 @@
 #define BENCH_BENCH_H
 
 #include "base/clock.h"
+#include "base/statistics.h"
 #include "base/work.h"
 #include "render/cast.h"
 #include "render/render.h"

@@ -6,7 +6,11 @@
 
 #include <string.h>
 
-static Rgb some_sky(V3 w)
+const char *const lamp_names[LAMPS] = {
+    "quad", "ball", "point", "spot", "distant", "infinite", "picture"
+};
+
+Rgb lamp_sky(V3 w)
 {
     return w.x > 0.5f ? rgb(3, 2, 1) : w.z < -0.5f ? rgb_all(0) : rgb(0.2f, 0.3f, 0.6f);
 }
@@ -28,7 +32,7 @@ void lamp_add(Lab *l, const char *lamp)
     else if (!strcmp(lamp, "infinite"))
         lab_light(l, "infinite", "L=0.5/0.7/1", NULL);
     else if (!strcmp(lamp, "picture"))
-        lab_sky(l, 16, 8, some_sky, NULL);
+        lab_sky(l, 16, 8, lamp_sky, NULL);
     else
         REQUIRE(false, "no lamp %s", lamp);
 }
@@ -49,4 +53,21 @@ void lamp_things(Lab *l)
     memcpy(ball.n, ball.p, ball.nverts * sizeof *ball.p);
     mesh_move(&ball, 0.9f, v3(-1.2f, 0, 1));
     lab_mesh(l, &ball, lab_material(l, "diffuse", "reflectance=0.8"), false);
+}
+
+void lamp_scene(Lab *l, const char *lamp, const char *lens)
+{
+    lab_init(l);
+    lamp_add(l, lamp);
+    lamp_things(l);
+    lab_camera(l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, lens);
+    lab_build(l);
+}
+
+void lamp_glass(Lab *l)
+{
+    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(l, "diffuse", ""));
+    lab_sphere(l, v3(0, 0, 1.2f), 1, lab_material(l, "dielectric", ""), false);
+    lab_shine(l, lab_disk(l, v3(-3, 0, 4.5f), v3(0.67f, 0, -0.74f), 2, 0,
+                          lab_material(l, "diffuse", "reflectance=0")), "L=3/2/1");
 }

@@ -4,6 +4,9 @@
  * time. Last line: N passed, N failed. */
 #include "test/test.h"
 
+#include "base/bits.h"
+#include "base/random.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -59,6 +62,13 @@ void test_fail(const char *file, int line, const char *fmt, ...)
     vprintf(fmt, args);
     va_end(args);
     printf("\n");
+}
+
+uint64_t test_hash(uint64_t h, const float *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        h = key_with(h, bits_of_float(x[i]));
+    return h;
 }
 
 static void remove_folder(void)

@@ -345,6 +345,17 @@ void lab_open(Lab *l, const char *method)
     l->integrator->kind = k;
 }
 
+bool lab_opens(Lab *l, const char *method)
+{
+    Opts o;
+    const IntegratorKind *k = lab_method(l, method, &o);
+    Integrator *it = k->open(l->scene, &o);
+
+    if (it)
+        k->close(it);
+    return it != NULL;
+}
+
 void mesh_move(Mesh *m, float scale, V3 by)
 {
     for (uint32_t i = 0; i < m->nverts; i++)

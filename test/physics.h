@@ -73,6 +73,7 @@ void     lab_build(Lab *l);
 const IntegratorKind *lab_method(Lab *l, const char *text, Opts *o);
 /* Opens the integrator of that text, closing the one before. */
 void     lab_open(Lab *l, const char *method);
+bool     lab_opens(Lab *l, const char *method);         /* whether it can be opened */
 
 /* Moves and scales the points of a mesh. */
 void mesh_move(Mesh *m, float scale, V3 by);

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct {
     const char *name;
@@ -26,6 +27,10 @@ void test_stop(void);
 /* Ends the case as skipped, saying why (data that is not there). */
 void test_skip(const char *fmt, ...) PRINTF_LIKE(1, 2);
 bool test_is_long(void);        /* running under --long: a case may take more samples */
+
+/* Goes on from the hash h of what stands before: one that no bit of the numbers can change alone
+ * without being seen. */
+uint64_t test_hash(uint64_t h, const float *x, size_t n);
 
 /* Path of `name` under the folder of test data (RUSHLIGHT_DATA or ../shared/data), or the case is
  * skipped. Result in a static buffer of the case's process. */

@@ -149,42 +149,32 @@ static double density(const void *of, V3 w)
     return (double)light_pdf_w(of, true, v3(1, 2, 3), w, NULL);
 }
 
+static void expect_draws(const Lab *l, uint64_t seed, int halvings, float jump, const char *what)
+{
+    chi2_expect(&(Chi2){ draw, density, l->scene->lights[0], .draws = 200000, .seed = seed,
+                         .halvings = halvings, .jump = jump }, what);
+}
+
 static void draws(void)
 {
     static const char *const ways[] = { "sampling=cdf", "sampling=alias", "sampling=mediancut",
                                         "sampling=cdf,mapping=octahedral" };
     for (int k = 0; k < 4; k++) {
         Transform turned = xf_rotate(90, 0, 0, 1);
-        Chi2 c;
         Lab l;
         lab_init(&l);
         lab_sky_as(&l, 32, 16, sunny, k == 1 ? NULL : &turned, ways[k]);
         lab_build(&l);
-        memset(&c, 0, sizeof c);
-        c.draw = draw;
-        c.pdf = density;
-        c.of = l.scene->lights[0];
-        c.draws = 200000;
-        c.seed = 61;
-        c.halvings = k == 3 ? 3 : 1;
-        chi2_expect(&c, ways[k]);
+        expect_draws(&l, 61, k == 3 ? 3 : 1, 0, ways[k]);
         lab_clear(&l);
     }
     for (int sun = 0; sun < 2; sun++) {
-        Chi2 c;
         Lab l;
         lab_init(&l);
         lab_light(&l, "sky", sun ? "sundirection=0/0/1,sunsize=50" : "sunscale=0", NULL);
         lab_build(&l);
-        memset(&c, 0, sizeof c);
-        c.draw = draw;
-        c.pdf = density;
-        c.of = l.scene->lights[0];
-        c.draws = 200000;
-        c.seed = 62;
-        c.halvings = 1;
-        c.jump = sun ? 0.906307787f : 0;        /* cos 25 degrees */
-        chi2_expect(&c, sun ? "sky with sun" : "sky without sun");
+        expect_draws(&l, 62, 1, sun ? 0.906307787f : 0 /* cos 25 degrees */,
+                     sun ? "sky with sun" : "sky without sun");
         lab_clear(&l);
     }
 }

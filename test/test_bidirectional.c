@@ -441,17 +441,10 @@ static void expect_path(Lab *l, const char *method, int depth, uint32_t spp, dou
 
 static void lamps_by(const char *method, uint32_t spp, double delta)
 {
-    static const char *const names[] = { "quad", "ball", "point", "spot", "distant", "infinite",
-                                         "picture" };
-
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < LAMPS; i++) {
         Lab l;
-        lab_init(&l);
-        lamp_add(&l, names[i]);
-        lamp_things(&l);
-        lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
-        lab_build(&l);
-        expect_path(&l, method, 4, spp, delta, names[i]);
+        lamp_scene(&l, lamp_names[i], "");
+        expect_path(&l, method, 4, spp, delta, lamp_names[i]);
         lab_clear(&l);
     }
 }

@@ -327,6 +327,7 @@ static void wrong_inputs(void)
         { "compare tiny.pbrt wood.ppm", "tiny.pbrt: " KNOWN_IMAGES },
         { "compare wood.ppm tiny.pbrt", "tiny.pbrt: " KNOWN_IMAGES },
         { "empty.ply", "empty.ply:1:1: not a PLY file, 'ply' alone on line 1 was expected" },
+        { "empty.pbrt --strict", "there is no shape and no light; the picture shows a sky" },
         { "wrong.pbrt", "wrong.pbrt:2:7: expected the kind of shape in quotes" },
         { "compare wood.ppm sky.pfm",
           "wood.ppm: has 2 x 2 pixels, 8 x 4 as in sky.pfm were expected" },
@@ -334,6 +335,7 @@ static void wrong_inputs(void)
     cli_scene();
     cli_write_text("empty.txt", "");
     cli_write_text("empty.ply", "");
+    cli_write_text("empty.pbrt", "");
     cli_write_text("wrong.pbrt", "WorldBegin\nShape sphere\n");
     REQUIRE(mkdir(cli_path("folder.pbrt"), 0777) == 0 && mkdir(cli_path("folder.ply"), 0777) == 0,
             "mkdir");

@@ -62,6 +62,8 @@ static void refused(void)
         { "--shard 1/2", NULL },
         { "--adaptive variable", NULL },
     };
+    char *bytes;
+    size_t n;
     Cli c;
 
     cli_scene();
@@ -69,8 +71,15 @@ static void refused(void)
     for (size_t i = 0; i < sizeof OTHER / sizeof *OTHER; i++)
         CLI_FAILS(STATUS_INPUT, OTHER[i].says, "tiny.pbrt --quiet %s --resume a.part%s",
                   OTHER[i].args, strstr(OTHER[i].args, "shard") ? "" : " -o b.pfm");
-    CLI_FAILS(STATUS_INPUT, "sky.pfm: is damaged or not whole",
+    CLI_FAILS(STATUS_INPUT, "sky.pfm: is not the state of a render",
               "tiny.pbrt --quiet -o b.pfm --resume sky.pfm");
+    bytes = cli_read("a.part", &n);
+    for (int k = 0; k < 2; k++) {       /* a bit that is another, and a byte that is not there */
+        bytes[n / 2] = (char)(bytes[n / 2] ^ 4);
+        cli_write("d.part", bytes, n - (size_t)k);
+        CLI_FAILS(STATUS_INPUT, "d.part: is damaged or not whole",
+                  "tiny.pbrt --quiet -o b.pfm --resume d.part");
+    }
     CLI_FAILS(STATUS_INPUT, "c.part: cannot be opened: No such file or directory",
               "tiny.pbrt --quiet -o b.pfm --resume c.part");
     CLI_FAILS(STATUS_USAGE, "--shard '0/4' is not right, expected I/N with I from 1 to N",

@@ -337,6 +337,13 @@ static void memory_others(void)
         memory_faults(&OTHERS[i]);
 }
 
+/* Methods that by themselves trace many thousand paths before the first pixel: with fewer. */
+static const char *with_few(const char *method)
+{
+    return !strcmp(method, "photonmap") ? ":photons=200,caustics=50"
+           : !strcmp(method, "pssmlt") || !strcmp(method, "mlt") ? ":bootstrap=999" : "";
+}
+
 /* Every method and every structure: what each of them takes for itself. */
 static void memory_methods(void)
 {
@@ -347,8 +354,7 @@ static void memory_methods(void)
     for (size_t k = 0; kind_info(integrators, k); k++) {
         snprintf(line, sizeof line, "tiny.pbrt --quiet --threads 2 --size 4x4 --spp 1 -o a.pfm "
                  "--integrator %s%s", kind_info(integrators, k)->name,
-                 strcmp(kind_info(integrators, k)->name, "photonmap")
-                     ? "" : ":photons=500,caustics=100");  /* a million by itself */
+                 with_few(kind_info(integrators, k)->name));
         memory_faults(&s);
     }
     for (size_t k = 0; kind_info(accels, k); k++) {

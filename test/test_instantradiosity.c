@@ -7,17 +7,12 @@
  * Tied        Tiles of one picture have the same lights: only whole runs are independent. */
 #include "geometry/generate.h"
 #include "integrators/virtualcuts.h"
-#include "test/pictures.h"
+#include "test/lamp_help.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* ---- scenes ---- */
-
-static Rgb some_sky(V3 w)
-{
-    return w.x > 0.5f ? rgb(3, 2, 1) : w.z < -0.5f ? rgb_all(0) : rgb(0.2f, 0.3f, 0.6f);
-}
 
 static void add_lamp(Lab *l, const char *lamp)
 {
@@ -36,7 +31,7 @@ static void add_lamp(Lab *l, const char *lamp)
     else if (!strcmp(lamp, "infinite"))
         lab_light(l, "infinite", "L=0.5/0.7/1", NULL);
     else if (!strcmp(lamp, "picture"))
-        lab_sky(l, 16, 8, some_sky, NULL);
+        lab_sky(l, 16, 8, lamp_sky, NULL);
     else
         REQUIRE(false, "no lamp %s", lamp);
 }

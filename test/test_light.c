@@ -23,17 +23,10 @@ static void compare(Lab *l, const char *filter, uint32_t spp, double delta, cons
 
 static void lamps(void)
 {
-    static const char *const names[] = { "quad", "ball", "point", "spot", "distant", "infinite",
-                                         "picture" };
-
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < LAMPS; i++) {
         Lab l;
-        lab_init(&l);
-        lamp_add(&l, names[i]);
-        lamp_things(&l);
-        lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, "");
-        lab_build(&l);
-        compare(&l, "", 8, 0.06, names[i]);
+        lamp_scene(&l, lamp_names[i], "");
+        compare(&l, "", 8, 0.06, lamp_names[i]);
         lab_clear(&l);
     }
 }
@@ -71,10 +64,7 @@ static void caustic(void)
     Lab l;
 
     lab_init(&l);
-    lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
-    lab_sphere(&l, v3(0, 0, 1.2f), 1, lab_material(&l, "dielectric", ""), false);
-    lab_shine(&l, lab_disk(&l, v3(-3, 0, 4.5f), v3(0.67f, 0, -0.74f), 2, 0,
-                           lab_material(&l, "diffuse", "reflectance=0")), "L=3/2/1");
+    lamp_glass(&l);
     /* beside the ball, so that it is not seen */
     lab_camera(&l, v3(2.2f, -2.5f, 2), v3(1.6f, 0, 0), 24, "");
     lab_build(&l);

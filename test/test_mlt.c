@@ -12,11 +12,8 @@
 /* A ball of glass over a floor: its caustic, also as a mirror shows it. */
 static void add_ball(Lab *l)
 {
-    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(l, "diffuse", ""));
+    lamp_glass(l);
     lab_quad(l, v3(-3, 3, 0), v3(6, 0, 0), v3(0, 0, 3), lab_material(l, "mirror", ""));
-    lab_sphere(l, v3(0, 0, 1.2f), 1, lab_material(l, "dielectric", ""), false);
-    lab_shine(l, lab_disk(l, v3(-3, 0, 4.5f), v3(0.67f, 0, -0.74f), 2, 0,
-                          lab_material(l, "diffuse", "reflectance=0")), "L=3/2/1");
 }
 
 /* Both kinds of events at one vertex: a polished coat over a matt base, on a pane. */

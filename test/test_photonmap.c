@@ -5,6 +5,7 @@
 #include "geometry/generate.h"
 #include "integrators/photonstore.h"
 #include "sampling/warp.h"
+#include "test/lamp_help.h"
 #include "test/pictures.h"
 
 #include <stdio.h>
@@ -73,11 +74,6 @@ static double flux_of(const PhotonStore *s)
     return sum / (double)s->paths;
 }
 
-static Rgb some_sky(V3 w)
-{
-    return w.x > 0.5f ? rgb(3, 2, 1) : w.z < -0.5f ? rgb_all(0) : rgb(0.2f, 0.3f, 0.6f);
-}
-
 /* All that lamps send out comes upon the black ball around them; lamps beyond shine on the stage,
  * of which a ball fills a part of area that is the same from everywhere. */
 static void power(void)
@@ -106,7 +102,7 @@ static void power(void)
                           NULL); break;
         case 5: lab_light(&l, "distant", "from=1/-1/2,to=0/0/0,L=2", NULL); break;
         case 6: lab_light(&l, "infinite", "L=0.5/0.7/1", NULL); break;
-        default: lab_sky(&l, 16, 8, some_sky, NULL); break;
+        default: lab_sky(&l, 16, 8, lamp_sky, NULL); break;
         }
         lab_camera(&l, v3(0, -4, 0), v3(0, 0, 0), 45, "");
         lab_build(&l);
@@ -410,10 +406,7 @@ static void caustic(void)
     Lab l;
 
     lab_init(&l);
-    lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
-    lab_sphere(&l, v3(0, 0, 1.2f), 1, lab_material(&l, "dielectric", ""), false);
-    lab_shine(&l, lab_disk(&l, v3(-3, 0, 4.5f), v3(0.67f, 0, -0.74f), 2, 0,
-                           lab_material(&l, "diffuse", "reflectance=0")), "L=3/2/1");
+    lamp_glass(&l);
     lab_camera(&l, v3(2.2f, -2.5f, 2), v3(1.2f, 0, 0), 40, "");
     lab_build(&l);
     series_render(&l, &path, "path:maxdepth=4", 24, 48, 1);
@@ -463,24 +456,18 @@ static void little(void)
     same_as(&l, "photonmap:view=direct,photons=20000,radius=1e-30", "direct", 0.02);
     lab_clear(&l);
 
-    lab_init(&l);               /* a lamp that shines on nothing */
-    lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
-    lab_light(&l, "spot", "from=0/0/-1,to=0/0/-5,I=9", NULL);
-    lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1.4f), 45, "");
-    lab_build(&l);
-    picture_settings(&l, &s, "photonmap:photons=100", 8, 8, 1);
-    picture_render(&l, &s, &film, &report);
-    film_clear(&film);
-    lab_clear(&l);
-
-    lab_init(&l);               /* no lamp */
-    lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
-    lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1.4f), 45, "");
-    lab_build(&l);
-    picture_settings(&l, &s, "photonmap:photons=100", 8, 8, 1);
-    picture_render(&l, &s, &film, &report);
-    film_clear(&film);
-    lab_clear(&l);
+    for (int lamps = 0; lamps < 2; lamps++) {   /* none; one that shines on nothing */
+        lab_init(&l);
+        lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
+        if (lamps)
+            lab_light(&l, "spot", "from=0/0/-1,to=0/0/-5,I=9", NULL);
+        lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1.4f), 45, "");
+        lab_build(&l);
+        picture_settings(&l, &s, "photonmap:photons=100", 8, 8, 1);
+        picture_render(&l, &s, &film, &report);
+        film_clear(&film);
+        lab_clear(&l);
+    }
 }
 
 static void threads(void)

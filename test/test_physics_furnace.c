@@ -247,15 +247,15 @@ static void one_bounce(const char *options, uint64_t n, const double delta[3])
 
 static void cube_power(void)
 {
-    static const double delta[3] = { 0.0001, 0.0004, 0.0005 };
-    one_bounce("strategy=mis,heuristic=power,maxdepth=1,roulette=100", 8000000, delta);
+    static const double delta[3] = { 0.0002, 0.0008, 0.001 };
+    one_bounce("strategy=mis,heuristic=power,maxdepth=1,roulette=100", 2000000, delta);
 }
 
 static void cube_balance(void)
 {
-    static const double delta[3] = { 0.0001, 0.0004, 0.0005 };
+    static const double delta[3] = { 0.0002, 0.0008, 0.001 };
     one_bounce("strategy=mis,heuristic=balance,lightsampler=uniform,maxdepth=1,roulette=100",
-               8000000, delta);
+               2000000, delta);
 }
 
 static void cube_explicit(void)

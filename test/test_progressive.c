@@ -159,19 +159,11 @@ static const char PATH[] = "path:maxdepth=4,roulette=2";
 
 static void lamps(void)
 {
-    static const char *const names[] = { "quad", "ball", "point", "spot", "distant", "infinite",
-                                         "picture" };
-
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < LAMPS; i++) {
         Lab l;
-        lab_init(&l);
-        lamp_add(&l, names[i]);
-        lamp_things(&l);
-        lab_camera(&l, v3(0.5f, -7, 3), v3(0, 0, 1), 45, i % 2 ? "" :
-                   "lensradius=0.1,focaldistance=6");
-        lab_build(&l);
+        lamp_scene(&l, lamp_names[i], i % 2 ? "" : "lensradius=0.1,focaldistance=6");
         compare(&l, i == 1 ? "ppm:radius=0.06,maxdepth=4,photons=2048,samples=2" : SPPM, PATH, 4, 8,
-                0.08, names[i]);
+                0.08, lamp_names[i]);
         lab_clear(&l);
     }
 }
@@ -203,17 +195,15 @@ static void caustic(void)
     for (int large = 0; large < 2; large++) {
         Lab l;
         lab_init(&l);
-        lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
-        lab_sphere(&l, v3(0, 0, 1.2f), 1, lab_material(&l, "dielectric", ""), false);
-        if (large)
-            lab_shine(&l, lab_disk(&l, v3(-3, 0, 4.5f), v3(0.67f, 0, -0.74f), 2, 0,
-                                   lab_material(&l, "diffuse", "reflectance=0")), "L=3/2/1");
-        else
-            lab_light(&l, "spot", "from=-3/0/4.5,to=0/0/1.2,I=30/20/10,coneangle=18", NULL);
-        if (large)
+        if (large) {
+            lamp_glass(&l);
             lab_camera(&l, v3(2.2f, -4, 2), v3(0.6f, 0, 0.5f), 35, "");
-        else
+        } else {
+            lab_quad(&l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), lab_material(&l, "diffuse", ""));
+            lab_sphere(&l, v3(0, 0, 1.2f), 1, lab_material(&l, "dielectric", ""), false);
+            lab_light(&l, "spot", "from=-3/0/4.5,to=0/0/1.2,I=30/20/10,coneangle=18", NULL);
             lab_camera(&l, v3(2.2f, -2.5f, 2), v3(1.6f, 0, 0), 24, "");
+        }
         lab_build(&l);
         compare(&l, "sppm:radius=0.03,maxdepth=4,photons=8192", truths[large], large ? 6 : 4,
                 large ? 128 : 32, 0.1, large ? "glass" : "a caustic of a point");
@@ -350,18 +340,6 @@ static void error(void)
 
 /* ---- input ---- */
 
-static bool opens(Lab *l, const char *method)
-{
-    Opts o;
-    const IntegratorKind *k = lab_method(l, method, &o);
-    Integrator *it = k->open(l->scene, &o);
-
-    if (!it)
-        return false;
-    k->close(it);
-    return true;
-}
-
 static void refused(void)
 {
     Medium fog = { "fog", { 0, 0, 0 }, { 1, 1, 1 }, 0 };
@@ -370,11 +348,12 @@ static void refused(void)
 
     messages_quiet(true);
     any_scene(&l);
-    EXPECT(!opens(&l, "sppm:radius=100") && !opens(&l, "ppm:radius=100"), "beyond the scene");
-    EXPECT(opens(&l, "sppm:radius=1"), "a radius of 1");
+    EXPECT(!lab_opens(&l, "sppm:radius=100") && !lab_opens(&l, "ppm:radius=100"),
+           "beyond the scene");
+    EXPECT(lab_opens(&l, "sppm:radius=1"), "a radius of 1");
     before = warnings_count();
     REQUIRE(scene_add_medium(l.scene, &fog, NULL), "memory");
-    EXPECT(opens(&l, "sppm") && opens(&l, "ppm") && warnings_count() == before + 2, "fog");
+    EXPECT(lab_opens(&l, "sppm") && lab_opens(&l, "ppm") && warnings_count() == before + 2, "fog");
     lab_clear(&l);
 }
 

@@ -436,29 +436,17 @@ static void tallies(void)
 
 /* ---- input ---- */
 
-static bool opens(Lab *l, const char *method)
-{
-    Opts o;
-    const IntegratorKind *k = lab_method(l, method, &o);
-    Integrator *it = k->open(l->scene, &o);
-
-    if (!it)
-        return false;
-    k->close(it);
-    return true;
-}
-
 static void refused(void)
 {
     Lab l;
 
     messages_quiet(true);
     any_scene(&l);
-    EXPECT(opens(&l, "pssmlt:over=ao") && opens(&l, "pssmlt:over=light"), "single samples");
-    EXPECT(!opens(&l, "pssmlt:over=pssmlt") && !opens(&l, "pssmlt:over=sppm") &&
-           !opens(&l, "pssmlt:over=photonmap") &&
-           !opens(&l, "pssmlt:over=path,techniques=one"), "more than single samples");
-    EXPECT(!opens(&l, "pssmlt:over=paht") && !opens(&l, "pssmlt:least=0.1,largest=0.01"),
+    EXPECT(lab_opens(&l, "pssmlt:over=ao") && lab_opens(&l, "pssmlt:over=light"), "single samples");
+    EXPECT(!lab_opens(&l, "pssmlt:over=pssmlt") && !lab_opens(&l, "pssmlt:over=sppm") &&
+           !lab_opens(&l, "pssmlt:over=photonmap") &&
+           !lab_opens(&l, "pssmlt:over=path,techniques=one"), "more than single samples");
+    EXPECT(!lab_opens(&l, "pssmlt:over=paht") && !lab_opens(&l, "pssmlt:least=0.1,largest=0.01"),
            "no such thing");
     lab_clear(&l);
 }

@@ -488,16 +488,6 @@ static void test_memory(void)
 
 /* ---- the same bits on every machine ---- */
 
-static uint64_t hash_floats(uint64_t h, const float *x, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        uint32_t bits;
-        memcpy(&bits, &x[i], sizeof bits);
-        h = key_with(h, bits);
-    }
-    return h;
-}
-
 static void test_same_bits(void)
 {
     static float w[64 * 64];
@@ -519,7 +509,7 @@ static void test_same_bits(void)
         REQUIRE(table_sample(&t, u.x, &i, &pmf[0], &rest[0]) &&
                 alias_sample(&a, u.y, &j, &pmf[1], &rest[1]) &&
                 table2_sample(&s, u, &p, &pdf), "nothing to sample");
-        h = hash_floats(h, (float[]){ d.x, d.y, c.x, c.y, c.z, n.x, n.y, n.z, g.x, g.y, g.z,
+        h = test_hash(h, (float[]){ d.x, d.y, c.x, c.y, c.z, n.x, n.y, n.z, g.x, g.y, g.z,
                                       b.x, b.y, b.z, warp_tent(u.x), pmf[0], pmf[1], rest[0],
                                       rest[1], p.x, p.y, pdf, (float)i, (float)j }, 24);
     }

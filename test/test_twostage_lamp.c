@@ -140,7 +140,7 @@ static void others(void)
 
 /* ---- densities ---- */
 
-static bool draw_place(const void *of, Rng *rng, V3 *w)
+static PartitionSample drawn(const void *of, Rng *rng)
 {
     PartitionSample s;
     V2 u;
@@ -148,6 +148,11 @@ static bool draw_place(const void *of, Rng *rng, V3 *w)
     u.x = rng_unit(rng);
     u.y = rng_unit(rng);
     product_draw(of, u, &s);
+    return s;
+}
+static bool draw_place(const void *of, Rng *rng, V3 *w)
+{
+    PartitionSample s = drawn(of, rng);
     *w = v3(s.place.x, s.place.y, 0);
     return true;
 }
@@ -158,13 +163,7 @@ static double density_of_place(const void *of, V3 w)
 }
 static bool draw_direction(const void *of, Rng *rng, V3 *w)
 {
-    PartitionSample s;
-    V2 u;
-
-    u.x = rng_unit(rng);
-    u.y = rng_unit(rng);
-    product_draw(of, u, &s);
-    *w = s.wi;
+    *w = drawn(of, rng).wi;
     return true;
 }
 static double density_of_direction(const void *of, V3 w)

@@ -44,21 +44,22 @@ bool save_end(Saving *s)
 
 bool load_begin(Loading *l, const char *path, uint64_t limit)
 {
-    Loading sum = { .beyond = false };
-    size_t n;
-
     if (!file_read(path, limit, &l->file))
         return false;
-    n = l->file.size < SUM_BYTES ? 0 : l->file.size - SUM_BYTES;
     l->at = (const unsigned char *)l->file.bytes;
-    l->end = sum.at = l->at + n;
-    sum.end = l->at + l->file.size;
+    l->end = l->at + (l->file.size < SUM_BYTES ? 0 : l->file.size - SUM_BYTES);
     l->beyond = false;
-    if (load_u64(&sum) == digest(DIGEST_NOTHING, l->at, n) && !sum.beyond)
+    return true;
+}
+
+bool load_whole(const Loading *l, const char *path)
+{
+    const char *bytes = l->file.bytes, *end = (const char *)l->end;
+    Loading sum = { .at = l->end, .end = (const unsigned char *)bytes + l->file.size };
+
+    if (load_u64(&sum) == digest(DIGEST_NOTHING, bytes, (size_t)(end - bytes)) && !sum.beyond)
         return true;
-    err_at((Place){ path, 0, 0 }, "is damaged or not whole");
-    load_clear(l);
-    return false;
+    return err_at((Place){ path, 0, 0 }, "is damaged or not whole");
 }
 
 void load_clear(Loading *l)

@@ -29,8 +29,11 @@ typedef struct {
     bool beyond;
 } Loading;
 
-/* Reads a file that save_end ended. False: reported, nothing to clear. */
+/* Reads a file. False: reported, nothing to clear. */
 bool load_begin(Loading *l, const char *path, uint64_t limit);
+/* Whether save_end ended it and it is as it was then: to be asked before anything in it is believed
+ * but what kind of file it is. False: reported. */
+bool load_whole(const Loading *l, const char *path);
 void load_clear(Loading *l);
 uint32_t load_u32(Loading *l);
 uint64_t load_u64(Loading *l);

@@ -8,6 +8,5 @@ double clock_wall(void);                /* since some fixed moment */
 double clock_cpu(void);                 /* used by all threads of the process */
 /* "3.2 s", "4:05", "1:02:03" */
 char  *clock_text(char *out, size_t room, double seconds);
-double median(double *v, int n);        /* of n >= 1 figures; sorts v */
 
 #endif

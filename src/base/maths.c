@@ -14,7 +14,6 @@
 
 #include "base/bits.h"
 
-
 #define PI_2      0x1.921fb54442d18p+0
 #define PI_4      0x1.921fb54442d18p-1
 #define TWO_OVER_PI 0x1.45f306dc9c883p-1

@@ -5,10 +5,22 @@
 #include "base/error.h"
 
 #include <stdio.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #define REDRAW_SECONDS 0.1              /* as often as the eye wants */
 #define LINE_SECONDS   5.0              /* in a log: not more than that */
+
+/* 80 where nobody knows. */
+static int columns(void)
+{
+#ifdef TIOCGWINSZ
+    struct winsize size;
+    if (ioctl(2, TIOCGWINSZ, &size) == 0 && size.ws_col > 1)
+        return size.ws_col;
+#endif
+    return 80;
+}
 
 void progress_start(Progress *p)
 {
@@ -21,7 +33,7 @@ void progress_start(Progress *p)
 void progress_show(Progress *p, double fraction, double spp, uint64_t rays)
 {
     double now, elapsed;
-    char a[32], b[32];
+    char a[32], b[32], line[200];
 
     if (p->quiet)
         return;
@@ -32,16 +44,19 @@ void progress_show(Progress *p, double fraction, double spp, uint64_t rays)
     elapsed = now - p->start;
     clock_text(a, sizeof a, elapsed);
     clock_text(b, sizeof b, fraction > 0 ? elapsed * (1 - fraction) / fraction : 0);
-    fprintf(stderr, "%s%3d%%  %.0f samples a pixel  %.2f Mrays/s  %s elapsed  %s left%s",
-            p->terminal ? "\r" : "", (int)(fraction * 100), spp,
-            elapsed > 0 ? (double)rays * 1e-6 / elapsed : 0, a, b, p->terminal ? "   " : "\n");
-    if (p->terminal)
-        fflush(stderr);
+    snprintf(line, sizeof line, "%3d%%  %.0f samples a pixel  %.2f Mrays/s  %s elapsed  %s left",
+             (int)(fraction * 100), spp, elapsed > 0 ? (double)rays * 1e-6 / elapsed : 0, a, b);
+    p->width = p->terminal ? columns() : 0;
+    if (p->terminal)            /* padded: the line before may have been longer */
+        fprintf(stderr, "\r%-*.*s", p->width - 1, p->width - 1, line);
+    else
+        fprintf(stderr, "%s\n", line);
+    fflush(stderr);
     p->drawn = true;
 }
 
 void progress_end(Progress *p)
 {
     if (p->drawn && p->terminal)
-        fprintf(stderr, "\r%78s\r", "");
+        fprintf(stderr, "\r%*s\r", p->width - 1, "");
 }

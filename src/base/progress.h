@@ -1,5 +1,6 @@
 /* progress.h -- one line that tells how far a render is: redrawn ten times a second on a terminal,
- * written as a plain line now and then elsewhere, silent with --quiet. Standard error. */
+ * written as a plain line now and then elsewhere, silent with --quiet. Standard error. On a
+ * terminal it is cut to the width, for what wraps cannot be drawn over. */
 #ifndef BASE_PROGRESS_H
 #define BASE_PROGRESS_H
 
@@ -9,6 +10,7 @@
 typedef struct {
     double start, last;
     bool   terminal, quiet, drawn;
+    int    width;               /* columns of the terminal, when it was looked at last */
 } Progress;
 
 void progress_start(Progress *p);

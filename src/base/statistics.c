@@ -7,6 +7,21 @@
 #include "base/maths.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void sort_numbers(double *v, size_t n) { qsort(v, n, sizeof *v, by_size); }
+
+double median(double *v, int n)
+{
+    sort_numbers(v, (size_t)n);
+    return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
+}
 
 double log_gamma(double x)
 {

@@ -1,9 +1,13 @@
-/* statistics.h -- what a few measurements allow to say: Student's t, several tests at once, and a
- * line through points with the interval that its slope is in. */
+/* statistics.h -- what a few measurements allow to say: their median, Student's t, several tests at
+ * once, and a line through points with the interval that its slope is in. */
 #ifndef BASE_STATISTICS_H
 #define BASE_STATISTICS_H
 
 #include <stdbool.h>
+#include <stddef.h>
+
+void   sort_numbers(double *v, size_t n);       /* the least first */
+double median(double *v, int n);                /* of n >= 1; sorts v */
 
 /* log of the gamma function, x > 0; error below 1e-14 of max(1, |result|). */
 double log_gamma(double x);

@@ -127,14 +127,6 @@ static Rgb albedo(const Bsdf *b, V3 wo)
     return rgb_add(p->diffuse, rgb_scale(p->specular, keeps));
 }
 
-static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
-{
-    (void)b;
-    peak[0] = normal_z(wo);
-    peak[1] = mirror_z(wo);
-    return 2;
-}
-
 static const OptDef options[] = {
     { .key = "reflectance", .type = OPT_RGB, .num = 0.5, .lo = 0, .hi = 1, .also = "Kd",
       .help = "part of the light that is reflected in every direction" },
@@ -150,5 +142,6 @@ static const OptDef options[] = {
 const BsdfKind bsdf_blinn = {
     .info = { "blinn", "Blinn77; Cline07 5.2.2", "matt with a glossy lobe of facets", options },
     .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo,
+    .peaks = bsdf_matt_lobe_peaks
 };

@@ -34,7 +34,7 @@ typedef struct {
     float eta;                  /* index ratio crossed, transmitted over incident side; else 1 */
 } BsdfSample;
 
-enum { BSDF_OPTIONS = 16 };    /* most that a model may have */
+enum { BSDF_OPTIONS = 16 };     /* most that a model may have */
 enum { BSDF_DELTAS = 16 };      /* most that a model may have: two of each of its parts */
 
 /* Where load() finds files: names are as seen from the file that names them. */
@@ -97,7 +97,6 @@ extern const BsdfKind bsdf_mix;
 /* For methods that know what matt surfaces do: f is constant on either side. */
 extern const BsdfKind bsdf_diffuse;
 
-INLINE float cos_of(V3 w) { return w.z; }
 INLINE bool same_side(V3 a, V3 b) { return a.z * b.z > 0.0f; }
 
 /* ---- for the models ---- */
@@ -117,5 +116,7 @@ INLINE Rgb reflectance_of(Rgb value)                /* a texture may leave [0,1]
 }
 Rgb   bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance);      /* of delta models */
 float bsdf_pdf_none(const Bsdf *b, V3 wo, V3 wi);
+/* The normal and the mirror image of wo: of a matt part with a lobe. */
+int   bsdf_matt_lobe_peaks(const Bsdf *b, V3 wo, V3 peak[16]);
 
 #endif

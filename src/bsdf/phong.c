@@ -116,14 +116,6 @@ static Rgb albedo(const Bsdf *b, V3 wo)
     return rgb_add(p->diffuse, rgb_scale(p->specular, sqrtf(c2 + (1.0f - c2) * grazing2)));
 }
 
-static int peaks(const Bsdf *b, V3 wo, V3 peak[16])
-{
-    (void)b;
-    peak[0] = normal_z(wo);
-    peak[1] = mirror_z(wo);
-    return 2;
-}
-
 static const OptDef options[] = {
     { .key = "reflectance", .type = OPT_RGB, .num = 0.5, .lo = 0, .hi = 1, .also = "Kd",
       .help = "part of the light that is reflected in every direction" },
@@ -138,5 +130,6 @@ const BsdfKind bsdf_phong = {
     .info = { "phong", "Lafortune94; Cline07 5.2.2", "matt with a glossy lobe, normalised",
               options },
     .flags = BSDF_REFLECT | BSDF_SMOOTH | BSDF_LOBES | BSDF_MATT,
-    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo, .peaks = peaks
+    .setup = setup, .eval = eval, .pdf_w = pdf_w, .sample = sample, .albedo = albedo,
+    .peaks = bsdf_matt_lobe_peaks
 };

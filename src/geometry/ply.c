@@ -104,15 +104,25 @@ static const char *next_value(Ply *r)
     return r->t.at;
 }
 
+/* Of a binary file. */
+static bool take_bytes(Ply *r, PlyType type, double *v)
+{
+    if (!holds(r, 1, ply_size[type]))
+        return fail_end(r);
+    *v = r->load[type]((const unsigned char *)r->t.at);
+    r->t.at += ply_size[type];
+    return true;
+}
+
 static bool take_integer(Ply *r, PlyType type, int64_t *v)
 {
     const char *at = next_value(r);
+    double x = 0.0;
 
     if (r->load) {
-        if (!holds(r, 1, ply_size[type]))
-            return fail_end(r);
-        *v = (int64_t)r->load[type]((const unsigned char *)r->t.at);
-        r->t.at += ply_size[type];
+        if (!take_bytes(r, type, &x))
+            return false;
+        *v = (int64_t)x;
         return true;
     }
     return text_int(&r->t, v) || fail_word(r, at, "an integer");
@@ -121,12 +131,12 @@ static bool take_integer(Ply *r, PlyType type, int64_t *v)
 static bool take_float(Ply *r, PlyType type, float *v)
 {
     const char *at = next_value(r);
+    double x = 0.0;
 
     if (r->load) {
-        if (!holds(r, 1, ply_size[type]))
-            return fail_end(r);
-        *v = narrow(r->load[type]((const unsigned char *)r->t.at));
-        r->t.at += ply_size[type];
+        if (!take_bytes(r, type, &x))
+            return false;
+        *v = narrow(x);
         return true;
     }
     return text_float(&r->t, v) || fail_word(r, at, "a number");

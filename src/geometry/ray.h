@@ -15,8 +15,8 @@ typedef struct { V3 o; float tmax; V3 d; float time; } Ray;
 
 /* Where a ray meets a primitive. prim counts within the geometry it belongs to and, if that is a
  * tessellation, is the face (see geometry.h); outer is the primitive of the top geometry: the same,
- * that tessellation, or the instance that holds the hit. u, v: barycentric
- * weights of the second and third corner of a triangle; unused for other primitives. */
+ * that tessellation, or the instance that holds the hit. u, v: barycentric weights of the second
+ * and third corner of a triangle; unused for other primitives. */
 typedef struct { float t, u, v; uint32_t outer, prim; } Hit;
 
 /* Nothing met so far, and nothing beyond tmax is looked for. */

@@ -10,7 +10,6 @@
 #include "base/statistics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TILE = 8 };
@@ -151,12 +150,6 @@ static void compare_tiles(ImageDifference *d, const Image *a, const Image *r)
     d->z_mean = d->tiles ? sum / (double)d->tiles : 0.0;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* How many of the n claims "this tile does not differ" fall, p[] in order: the least falls if it
  * would be rare among n, the next if rare among n - 1, until one stands [Holm79]. */
 static uint64_t holm_steps(const double *p, uint64_t n, double alpha)
@@ -194,7 +187,7 @@ bool image_family_test(const Image *a, const char *name_a, const Image *r, const
         f->tiles++;
     }
     f->p = f->tiles ? family_p(f->p, (double)f->tiles) : 1;
-    qsort(p, (size_t)f->tiles, sizeof *p, by_size);
+    sort_numbers(p, (size_t)f->tiles);
     f->differ = holm_steps(p, f->tiles, alpha);
     mem_free(p);
     return true;

@@ -9,10 +9,11 @@
 
 #include <string.h>
 
-extern const Denoiser denoiser_gaussian, denoiser_bilateral, denoiser_guided, denoiser_nlmeans;
-const Denoiser *const denoisers[] = {
-    &denoiser_gaussian, &denoiser_bilateral, &denoiser_guided, &denoiser_nlmeans, NULL
-};
+#define DENOISERS(X) X(gaussian) X(bilateral) X(guided) X(nlmeans)
+#define DECLARE(name) extern const Denoiser denoiser_##name;
+#define ENTRY(name) &denoiser_##name,
+DENOISERS(DECLARE)
+const Denoiser *const denoisers[] = { DENOISERS(ENTRY) NULL };
 
 /* ---- rows on threads ---- */
 

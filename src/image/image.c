@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "base/text.h"
 #include "image/exr.h"
 
 #include <stdio.h>
@@ -79,20 +80,14 @@ static const char *extensions_that(bool write, char *out, size_t room)
     return out;
 }
 
-static int lower(int c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; }
-
 /* Is `word` one of the blank-separated words of `list`? Case does not count. */
 static bool has_word(const char *list, const char *word)
 {
-    size_t n = strlen(word);
-
     while (*list) {
-        size_t k = 0, m = strcspn(list, " ");
-        while (k < m && k < n && list[k] == lower((unsigned char)word[k]))
-            k++;
-        if (n && k == m && k == n)
+        size_t n = strcspn(list, " ");
+        if (word_is_nocase((Word){ list, n }, word))
             return true;
-        list += m + (list[m] == ' ');
+        list += n + (list[n] == ' ');
     }
     return false;
 }

@@ -38,7 +38,7 @@ typedef struct {
     bool  uncompressed;                                 /* of formats that may be either (exr) */
 } Display;
 extern const ToneMap *const tonemaps[];                 /* ends with NULL; see tonemap.h */
-extern const LightMeter *const meters[];                   /* ends with NULL */
+extern const LightMeter *const meters[];                /* ends with NULL */
 
 /* How the samples of display formats, in [0,1], become linear when they are read: by the sRGB curve
  * if below 0, by what the file says (sRGB if it says nothing) if 0, else x^encoding, where 1 is

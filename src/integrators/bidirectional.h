@@ -24,7 +24,7 @@
  *             first smooth vertex that the eye sees by way of deltas sends several rays. Those that
  *             meet a delta next all go on, and count by their number; of what meets anything else
  *             only the first ray's counts, whole. Each kind keeps its mean, so weights need not
- *             know ([ArvoKirk90]).
+ *             know ([Arvo90]).
  * Media       take light away; what they scatter is left out, with a warning. */
 #ifndef INTEGRATORS_BIDIRECTIONAL_H
 #define INTEGRATORS_BIDIRECTIONAL_H

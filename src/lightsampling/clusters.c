@@ -2,6 +2,7 @@
 #include "lightsampling/clusters.h"
 
 #include "base/random.h"
+#include "lightsampling/halves.h"
 
 /* What roundings may take from a bound: cosines are off by some 2^-22. */
 #define SLACK 1e-5f
@@ -17,37 +18,12 @@ typedef struct {
     uint32_t nnodes;
 } Builder;
 
-static float key_of(const Builder *b, uint32_t at, int k)
+/* Opposite normals count as `across`. */
+static float key_of(const void *of, uint32_t light, int k)
 {
-    const OrientedLight *l = &b->l[b->order[at]];
+    const Builder *b = (const Builder *)of;
+    const OrientedLight *l = &b->l[light];
     return k < 3 ? v_axis(l->p, k) : 0.5f * b->across * v_axis(l->n, k - 3);
-}
-
-/* The first of the second half: lights in the middle of the longest side, or half of them. */
-static uint32_t divide(Builder *b, uint32_t first, uint32_t end)
-{
-    float lo[6], hi[6], middle;
-    uint32_t at = first;
-    int axis = 0;
-
-    for (int k = 0; k < 6; k++) {
-        lo[k] = INFINITY;
-        hi[k] = -INFINITY;
-        for (uint32_t i = first; i < end; i++) {
-            lo[k] = f_min(lo[k], key_of(b, i, k));
-            hi[k] = f_max(hi[k], key_of(b, i, k));
-        }
-        if (hi[k] - lo[k] > hi[axis] - lo[axis])
-            axis = k;
-    }
-    middle = 0.5f * lo[axis] + 0.5f * hi[axis];
-    for (uint32_t i = first; i < end; i++)
-        if (key_of(b, i, axis) < middle) {
-            uint32_t x = b->order[i];
-            b->order[i] = b->order[at];
-            b->order[at++] = x;
-        }
-    return at == first || at == end ? first + (end - first) / 2 : at;
 }
 
 /* Box and cone over all lights of the run. Two sides are a cone of all directions. */
@@ -82,7 +58,7 @@ static void build(Builder *b, uint32_t first, uint32_t end)
     c->power = b->l[c->light].power;
     if (end - first == 1)
         return;
-    middle = divide(b, first, end);
+    middle = halves_divide(b->order, first, end, key_of, b);
     build(b, first, middle);
     c->second = b->nnodes - at;
     build(b, middle, end);

@@ -13,6 +13,7 @@
 #include "lightsampling/lighttree.h"
 
 #include "base/mem.h"
+#include "lightsampling/halves.h"
 
 #include <stdlib.h>
 
@@ -71,43 +72,12 @@ static LightNode joined(const LightNode *a, const LightNode *b)
 
 /* ---- building ---- */
 
-/* Coordinate k of six: the place, and the normal. */
-static float key_of(const LightTree *t, uint32_t at, int k)
+/* Opposite normals count as a quarter of the scene's radius. */
+static float key_of(const void *of, uint32_t light, int k)
 {
-    const PointLight *p = &t->lights->p[t->order[at]];
-    return k < 3 ? v_axis(p->p, k) : 0.125f * t->lights->scene->radius * v_axis(p->n, k - 3);
-}
-
-static void swap(uint32_t *a, uint32_t *b)
-{
-    uint32_t x = *a;
-    *a = *b;
-    *b = x;
-}
-
-/* The first of the second half: lights in the middle of the longest side, or half of them. */
-static uint32_t divide(LightTree *t, uint32_t first, uint32_t end)
-{
-    float lo[6], hi[6], middle;
-    uint32_t at = first;
-    int axis = 0;
-
-    for (int k = 0; k < 6; k++) {
-        lo[k] = INFINITY;
-        hi[k] = -INFINITY;
-        for (uint32_t i = first; i < end; i++) {
-            float x = key_of(t, i, k);
-            lo[k] = f_min(lo[k], x);
-            hi[k] = f_max(hi[k], x);
-        }
-        if (hi[k] - lo[k] > hi[axis] - lo[axis])
-            axis = k;
-    }
-    middle = 0.5f * lo[axis] + 0.5f * hi[axis];
-    for (uint32_t i = first; i < end; i++)
-        if (key_of(t, i, axis) < middle)
-            swap(&t->order[i], &t->order[at++]);
-    return at == first || at == end ? first + (end - first) / 2 : at;
+    const PointLights *l = ((const LightTree *)of)->lights;
+    const PointLight *p = &l->p[light];
+    return k < 3 ? v_axis(p->p, k) : 0.125f * l->scene->radius * v_axis(p->n, k - 3);
 }
 
 /* Parts one kind from the other, once. */
@@ -117,7 +87,7 @@ static uint32_t divide_kinds(LightTree *t)
 
     for (uint32_t i = 0; i < n; i++)
         if (t->lights->p[t->order[i]].kind == POINT_BEYOND)
-            swap(&t->order[i], &t->order[at++]);
+            order_swap(&t->order[i], &t->order[at++]);
     return at;
 }
 
@@ -131,7 +101,7 @@ static void build(LightTree *t, uint32_t first, uint32_t end, uint32_t middle)
     if (end - first < 2)
         return;
     if (middle == first || middle == end)
-        middle = divide(t, first, end);
+        middle = halves_divide(t->order, first, end, key_of, t);
     build(t, first, middle, first);
     n->second = (uint32_t)t->nnodes;
     build(t, middle, end, middle);

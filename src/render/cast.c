@@ -9,6 +9,7 @@
 #include "render/cast.h"
 
 #include "base/clock.h"
+#include "base/statistics.h"
 #include "geometry/triangle.h"
 
 #include <stdio.h>

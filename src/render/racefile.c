@@ -416,13 +416,10 @@ enum { NDIRECTIVES = sizeof directives / sizeof *directives };
 static bool unknown(const Token *t)
 {
     const char *names[NDIRECTIVES];
-    char word[60], hint[HINT_MAX];
 
     for (size_t i = 0; i < NDIRECTIVES; i++)
         names[i] = directives[i].name;
-    word_copy(word, sizeof word, (Word){ t->s, t->n });
-    return err_at(t->at, "unknown directive '%s'%s", word,
-                  hint_nearest(hint, word, names, NDIRECTIVES));
+    return token_unknown(t, names, NDIRECTIVES);
 }
 
 static bool run_directive(RaceReader *r, const Token *t)

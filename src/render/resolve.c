@@ -232,6 +232,9 @@ bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 
 bool settings_camera(SceneFile *f)
 {
+    if (f->bare && !f->scene->geometries[0].nshapes &&
+        !warn_at((Place){ NULL, 0, 0 }, "there is no shape and no light; the picture shows a sky"))
+        return false;
     if (f->bare)
         return scene_frame(f->scene);
     if (f->scene->camera)

@@ -177,28 +177,33 @@ bool state_write(const Job *j, const char *path)
 
 /* ---- reading ---- */
 
-bool state_read_head(StateHead *h, const char *path, uint64_t limit)
+static bool read_head(StateHead *h, const char *path)
 {
     Place at = { path, 0, 0 };
-    const char *magic;
-    uint32_t format;
+    const char *magic = load_bytes(&h->rest, sizeof MAGIC);
+    uint32_t format = load_u32(&h->rest);
 
+    if (!magic || memcmp(magic, MAGIC, sizeof MAGIC))
+        return err_at(at, "is not the state of a render");
+    if (!load_whole(&h->rest, path))
+        return false;
+    if (format != FORMAT)
+        return err_at(at, "has format %lu, this program writes and reads %d",
+                      (unsigned long)format, FORMAT);
+    h->ntext = load_u32(&h->rest);
+    if (h->ntext > TEXT_MOST || !(h->text = load_bytes(&h->rest, h->ntext)) ||
+        !film_load_shape(&h->shape, &h->rest) ||
+        film_bytes_saved(&h->shape) > (double)load_left(&h->rest))
+        return err_at(at, "is not whole");
+    return true;
+}
+
+bool state_read_head(StateHead *h, const char *path, uint64_t limit)
+{
     memset(h, 0, sizeof *h);
     if (!load_begin(&h->rest, path, limit))
         return false;
-    magic = load_bytes(&h->rest, sizeof MAGIC);
-    format = load_u32(&h->rest);
-    h->ntext = load_u32(&h->rest);
-    if (!magic || memcmp(magic, MAGIC, sizeof MAGIC))
-        err_at(at, "is not the state of a render");
-    else if (format != FORMAT)
-        err_at(at, "has format %lu, this program writes and reads %d", (unsigned long)format,
-               FORMAT);
-    else if (h->ntext > TEXT_MOST || !(h->text = load_bytes(&h->rest, h->ntext)) ||
-             !film_load_shape(&h->shape, &h->rest) ||
-             film_bytes_saved(&h->shape) > (double)load_left(&h->rest))
-        err_at(at, "is not whole");
-    else
+    if (read_head(h, path))
         return true;
     load_clear(&h->rest);
     return false;

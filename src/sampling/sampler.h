@@ -29,8 +29,9 @@ typedef enum {
     DECIDE_BAND,                /* 1-D: the band of the spectrum of a photon */
     DECIDE_PICTURE,             /* 2-D: places on lamps with pictures, by their maps */
     DECIDE_TECHNIQUE,           /* 1-D: in which way a path is made; small steps leave it alone */
-    DECIDE_GUIDE = DECIDE_BAND, /* 1-D: whether a learned map chooses the direction */
-    DECIDE_KINDS = 16           /* room for more, a power of two */
+    /* 1-D: whether a learned map chooses the direction. Shared: no method has photons and maps. */
+    DECIDE_GUIDE = DECIDE_BAND,
+    DECIDE_KINDS = 16           /* a power of two: the last bits of a Decision */
 } DecisionKind;
 
 typedef uint32_t Decision;

@@ -310,8 +310,8 @@ static float cone_height(const Area *l, const Sphere *sp, V3 from, V3 *to_centre
     return warp_cone_height(r * r / *dist2);
 }
 
-/* The near point where direction wi meets the sphere. In double from the
- * centre: from afar the sphere can be smaller than the roundings of its place. */
+/* The near point where direction wi meets the sphere. In double from the centre: from afar the
+ * sphere can be smaller than the roundings of its place. */
 static void near_point(const Area *l, const Sphere *sp, V3 to_centre, LightSample *s)
 {
     double x = to_centre.x, y = to_centre.y, z = to_centre.z, r2 = (double)sp->radius * sp->radius;

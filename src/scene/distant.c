@@ -3,10 +3,9 @@
 #include "scene/scene.h"
 
 typedef struct {
-    Light base;
+    Beyond beyond;
     V3    to_light;             /* unit */
     Rgb   E;                    /* irradiance on a facing surface */
-    Stage stage;
 } Distant;
 
 static Light *make(const Making *m, const Opts *o)
@@ -23,12 +22,12 @@ static Light *make(const Making *m, const Opts *o)
     }
     l->E = rgb_mul(opt_rgb(o, "L"), opt_rgb(o, "scale"));
     l->E = rgb_scale(l->E, power_factor(opt_float(o, "illuminance"), l->E));
-    return &l->base;
+    return &l->beyond.base;
 }
 
 static bool prepare(Light *base, const Scene *s)
 {
-    ((Distant *)base)->stage = stage_of(s);
+    ((Beyond *)base)->stage = stage_of(s);
     return true;
 }
 
@@ -45,30 +44,12 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     return true;
 }
 
-static bool emit(const Light *base, V2 u, V2 v, Emission *e)
-{
-    const Distant *l = (const Distant *)base;
-
-    (void)v;
-    emit_from_beyond(&l->stage, v_neg(l->to_light), u, e);
-    e->L = l->E;
-    e->pdf_w = 1.0f;
-    return true;
-}
-
-static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf_w)
-{
-    (void)hit;
-    (void)d;
-    *pdf_a = stage_pdf_a(&((const Distant *)base)->stage);
-    *pdf_w = 1.0f;
-}
-
 /* What passes through the disc that the scene's sphere shows. */
 static Rgb power(const Light *base)
 {
     const Distant *l = (const Distant *)base;
-    return rgb_scale(l->E, PI_F * l->stage.radius * l->stage.radius);
+    float radius = l->beyond.stage.radius;
+    return rgb_scale(l->E, PI_F * radius * radius);
 }
 
 static const OptDef options[] = {
@@ -84,6 +65,6 @@ static const OptDef options[] = {
 const LightKind light_distant = {
     .info = { "distant", "PBRT4 12.3", "parallel rays from infinitely far", options },
     .delta = DELTA_DIRECTION, .make = make, .prepare = prepare, .sample = sample,
-    .pdf_w = delta_pdf_w, .radiance = delta_radiance, .emit = emit, .emit_pdf = emit_pdf,
-    .power = power
+    .pdf_w = delta_pdf_w, .radiance = delta_radiance, .emit = beyond_emit,
+    .emit_pdf = beyond_emit_pdf, .power = power
 };

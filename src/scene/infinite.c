@@ -13,7 +13,7 @@
 #include "scene/panorama.h"
 
 typedef struct {
-    Light  base;
+    Beyond beyond;
     Rgb    L;                   /* factor of the picture, or the constant */
     const Image *image;         /* borrowed from the scene, or &own; NULL: constant */
     Image  own;                 /* owned */
@@ -21,7 +21,6 @@ typedef struct {
     Panorama picture;           /* owned */
     Affine to_light;            /* directions of the world in the light's frame */
     Affine to_world;
-    Stage  stage;
     PanoramaWay way;
     int    cuts;                /* of median cut: 2^cuts regions */
     float  illuminance;         /* wanted on a surface that faces z; 0: L is as given */
@@ -64,7 +63,7 @@ static Light *make(const Making *m, const Opts *o)
             return NULL;
         l->mapping = mapping_option(o, l->image);
     }
-    return &l->base;
+    return &l->beyond.base;
 }
 
 static bool prepare(Light *base, const Scene *s)
@@ -72,7 +71,7 @@ static bool prepare(Light *base, const Scene *s)
     Infinite *l = (Infinite *)base;
     double up = PI;
 
-    l->stage = stage_of(s);
+    l->beyond.stage = stage_of(s);
     if (l->image && (!panorama_init(&l->picture, l->image, l->mapping) ||
                      !panorama_set_way(&l->picture, l->way, l->cuts) ||
                      (l->way == PANORAMA_CDF && !panorama_set_bright(&l->picture, 0.0, 0.0, NULL))))
@@ -170,28 +169,12 @@ static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
     return rgb_mul(l->L, panorama_at(&l->picture, affine_vector(&l->to_light, wi)));
 }
 
-static bool emit(const Light *base, V2 u, V2 v, Emission *e)
-{
-    const Infinite *l = (const Infinite *)base;
-    V3 wi;
-
-    if (!draw(l, false, v, &wi, &e->pdf_w, &e->L))
-        return false;
-    emit_from_beyond(&l->stage, v_neg(wi), u, e);
-    return true;
-}
-
-static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf)
-{
-    *pdf_a = stage_pdf_a(&((const Infinite *)base)->stage);
-    *pdf = pdf_w(base, v_all(0.0f), v_neg(d), hit);
-}
-
 /* What passes through the disc that the scene's sphere shows, from all directions. */
 static Rgb power(const Light *base)
 {
     const Infinite *l = (const Infinite *)base;
-    return rgb_scale(l->mean, 4.0f * PI_F * PI_F * l->stage.radius * l->stage.radius);
+    float radius = l->beyond.stage.radius;
+    return rgb_scale(l->mean, 4.0f * PI_F * PI_F * radius * radius);
 }
 
 static float estimate(const Light *base, V3 p, V3 n)
@@ -242,7 +225,7 @@ Light *light_studio(const Making *m)
             *image_at(&l->own, x, y) = studio_radiance(v3(st * cs, st * sn, ct));
         }
     l->image = &l->own;
-    return &l->base;
+    return &l->beyond.base;
 }
 
 static const OptDef options[] = {
@@ -272,6 +255,6 @@ const LightKind light_infinite = {
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
     .numbers = numbers,
-    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = estimate, .picture = picture
+    .radiance = radiance, .emit = beyond_emit, .emit_pdf = beyond_emit_pdf,
+    .power = power, .estimate = estimate, .picture = picture
 };

@@ -107,15 +107,31 @@ Stage stage_of(const Scene *s) { return (Stage){ s->centre, s->radius }; }
 float stage_pdf_a(const Stage *s) { return 1.0f / (PI_F * s->radius * s->radius); }
 
 /* The disc stands two radii before the centre, so that nothing is behind it by rounding. */
-void emit_from_beyond(const Stage *s, V3 d, V2 u, Emission *e)
+bool beyond_emit(const Light *l, V2 u, V2 v, Emission *e)
 {
-    Frame f = frame_about(d);
+    const Stage *s = &((const Beyond *)l)->stage;
     V2 q = warp_disk_concentric(u);
+    LightSample from;
+    Frame f;
 
+    if (!l->kind->sample(l, s->centre, v, &from))
+        return false;
+    e->d = v_neg(from.wi);
+    f = frame_about(e->d);
     e->p = frame_out(&f, v3(q.x * s->radius, q.y * s->radius, -2.0f * s->radius));
     e->p = v_add(s->centre, e->p);
     e->err = e->n = v_all(0.0f);
-    e->d = d;
+    e->L = from.L;
     e->cosine = 1.0f;
     e->pdf_a = stage_pdf_a(s);
+    e->pdf_w = from.pdf_w;
+    return true;
+}
+
+void beyond_emit_pdf(const Light *l, const Surface *hit, V3 d, float *pdf_a, float *pdf_w)
+{
+    const Stage *s = &((const Beyond *)l)->stage;
+
+    *pdf_a = stage_pdf_a(s);
+    *pdf_w = l->kind->delta ? 1.0f : l->kind->pdf_w(l, s->centre, v_neg(d), hit);
 }

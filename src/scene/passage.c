@@ -2,9 +2,9 @@
  * See scene.h.
  *
  * A surface of opacity a stops a part a of the rays that meet it. Which ones, a number decides that
- * is made of the ray's own bits and of what it met: so the same ray is stopped or not
- * whoever asks, and neither accelerator nor thread matters. A pattern behind such a surface is
- * still sampled right, since rays differ. Of several surfaces at one place, one is asked. */
+ * is made of the ray's own bits and of what it met: so the same ray is stopped or not whoever asks,
+ * and neither accelerator nor thread matters. A pattern behind such a surface is still sampled
+ * right, since rays differ. Of several surfaces at one place, one is asked. */
 #include "base/random.h"
 #include "scene/scene.h"
 

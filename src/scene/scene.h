@@ -240,9 +240,12 @@ void  emit_from_point(V3 p, V3 d, Rgb I, float pdf_w, Emission *e);
 /* The sphere that a light beyond the scene shines on. */
 typedef struct { V3 centre; float radius; } Stage;
 Stage stage_of(const Scene *s);
-/* A particle from beyond: all of *e but L and pdf_w. */
-void  emit_from_beyond(const Stage *s, V3 d, V2 u, Emission *e);
 float stage_pdf_a(const Stage *s);              /* 1 / (pi R^2) */
+/* First member of a light that shines from beyond the scene. Its particles go the ways that its
+ * samples come from, over the whole stage: these are its emit and emit_pdf. */
+typedef struct { Light base; Stage stage; } Beyond;
+bool  beyond_emit(const Light *l, V2 u, V2 v, Emission *e);
+void  beyond_emit_pdf(const Light *l, const Surface *hit, V3 d, float *pdf_a, float *pdf_w);
 
 /* pdf_w and radiance of lights that no ray can hit: 0. */
 float delta_pdf_w(const Light *l, V3 from, V3 wi, const Surface *hit);

@@ -42,9 +42,8 @@ static const double ZENITH[2][3][4] = {
 typedef struct Sun Sun;
 
 typedef struct {
-    Light  base;
+    Beyond beyond;
     Affine to_light, to_world;
-    Stage  stage;
     V3     sun;                 /* unit, in the light's frame */
     float  perez[3][5];         /* Y, x, y */
     float  zenith[3];           /* over F at the zenith; Y in kcd/m^2 */
@@ -212,14 +211,14 @@ static Light *make(const Making *m, const Opts *o)
     l->sun_L = rgb_scale(rgb_mul(scale, sun_light(theta, turbidity)), opt_float(o, "sunscale"));
     /* the disc's irradiance is L pi sin^2: the same sun for every size */
     l->sun_L = rgb_scale(l->sun_L, 1.0f / (PI_F * l->height * (2.0f - l->height)));
-    return make_alone(l, m) && draw_cells(l, opt_rgb(o, "albedo")) ? &l->base : NULL;
+    return make_alone(l, m) && draw_cells(l, opt_rgb(o, "albedo")) ? &l->beyond.base : NULL;
 }
 
 static bool prepare(Light *base, const Scene *s)
 {
     Sky *l = (Sky *)base;
 
-    l->stage = stage_of(s);
+    l->beyond.stage = stage_of(s);
     if (l->alone)
         l->alone->base.index = base->index;
     return true;
@@ -319,29 +318,12 @@ static Rgb radiance(const Light *base, V3 wi, const Surface *hit)
     return light_from(l, v_unit(affine_vector(&l->to_light, wi)));
 }
 
-static bool emit(const Light *base, V2 u, V2 v, Emission *e)
-{
-    const Sky *l = (const Sky *)base;
-    V3 wi;
-
-    if (!draw(l, false, v, &wi, &e->pdf_w, &e->L))
-        return false;
-    emit_from_beyond(&l->stage, v_neg(wi), u, e);
-    return true;
-}
-
-static void emit_pdf(const Light *base, const Surface *hit, V3 d, float *pdf_a, float *pdf)
-{
-    *pdf_a = stage_pdf_a(&((const Sky *)base)->stage);
-    *pdf = pdf_w(base, v_all(0.0f), v_neg(d), hit);
-}
-
 static Rgb power(const Light *base)
 {
     const Sky *l = (const Sky *)base;
     Rgb all = rgb_add(rgb_scale(l->cells.mean, 4.0f * PI_F),
                       rgb_scale(l->sun_L, 2.0f * PI_F * l->height));
-    return rgb_scale(all, 1.0f / stage_pdf_a(&l->stage));
+    return rgb_scale(all, 1.0f / stage_pdf_a(&l->beyond.stage));
 }
 
 /* up: in the light's frame. */
@@ -394,7 +376,7 @@ static float sun_pdf_w(const Light *base, V3 from, V3 wi, const Surface *hit)
 static Rgb sun_power(const Light *base)
 {
     const Sky *l = ((const Sun *)base)->sky;
-    return rgb_scale(l->sun_L, 2.0f * PI_F * l->height / stage_pdf_a(&l->stage));
+    return rgb_scale(l->sun_L, 2.0f * PI_F * l->height / stage_pdf_a(&l->beyond.stage));
 }
 
 static float sun_estimate(const Light *base, V3 p, V3 n)
@@ -458,6 +440,6 @@ const LightKind light_sky = {
     .info = { "sky", "Preetham99; Kasten66", "a clear sky, its sun and the ground", options },
     .infinite = true, .make = make, .prepare = prepare, .clear = clear, .sample = sample,
     .pdf_w = pdf_w, .sample_beside = sample_beside, .pdf_beside = pdf_beside,
-    .radiance = radiance, .emit = emit, .emit_pdf = emit_pdf, .power = power,
-    .estimate = estimate, .picture = picture
+    .radiance = radiance, .emit = beyond_emit, .emit_pdf = beyond_emit_pdf,
+    .power = power, .estimate = estimate, .picture = picture
 };

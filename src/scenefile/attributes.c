@@ -107,9 +107,9 @@ bool do_object_end(Reader *r, Place at) { return pop(r, SAVED_OBJECT, at); }
 
 static bool unknown_object(Reader *r, Place at, const char *name)
 {
-    const char *near = names_nearest(&r->objects, name);
-    return warn_at(at, "unknown object '%.80s'%s%s%s; it is left out", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    char hint[HINT_MAX];
+    return warn_at(at, "unknown object '%.80s'%s; it is left out", name,
+                   names_hint(&r->objects, name, hint));
 }
 
 bool do_object_instance(Reader *r, Place at)
@@ -183,12 +183,11 @@ bool do_color_space(Reader *r, Place at)
         return false;
     if (!spectrum_space(name, m)) {
         size_t n = 0;
-        const char *near;
+        char hint[HINT_MAX];
         while (spectrum_spaces[n])
             n++;
-        near = nearest_name(name, spectrum_spaces, n);
-        return warn_at(t.at, "unknown colour space '%s'%s%s%s; colours are taken as before", name,
-                       near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+        return warn_at(t.at, "unknown colour space '%s'%s; colours are taken as before", name,
+                       hint_nearest(hint, name, spectrum_spaces, n));
     }
     r->state.space = strcmp(name, "srgb") ? (const double (*)[3])m : NULL;
     return true;

@@ -28,15 +28,14 @@ void texture_space(Build *b, Texture *t)
 static bool choose(const Param *p, const char *what, const char *name, const char *const *names,
                    int n, int *k)
 {
-    const char *near;
+    char hint[HINT_MAX];
 
     for (*k = 0; *k < n; (*k)++)
         if (word_is_nocase((Word){ name, strlen(name) }, names[*k]))
             return true;
     *k = 0;
-    near = nearest_name(name, names, (size_t)n);
-    return warn_at(p->at, "unknown %s '%.40s'%s%s%s; %s is used", what, name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "", names[0]);
+    return warn_at(p->at, "unknown %s '%.40s'%s; %s is used", what, name,
+                   hint_nearest(hint, name, names, (size_t)n), names[0]);
 }
 
 /* A string parameter that is one of names[0..n), as a number; 0 if it is not given. */

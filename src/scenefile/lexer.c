@@ -149,3 +149,11 @@ bool token_is(const Token *t, const char *s)
     return (t->kind == TOKEN_STRING || t->kind == TOKEN_NAME) && t->n == strlen(s) &&
            !memcmp(t->s, s, t->n);
 }
+
+bool token_unknown(const Token *t, const char *const *names, size_t n)
+{
+    char word[60], hint[HINT_MAX];
+
+    word_copy(word, sizeof word, (Word){ t->s, t->n });
+    return err_at(t->at, "unknown directive '%s'%s", word, hint_nearest(hint, word, names, n));
+}

@@ -33,4 +33,7 @@ bool lexer_peek(Lexer *l, Token *t);
 size_t token_text(const Token *t, char *out);
 bool   token_is(const Token *t, const char *s);         /* a STRING or NAME that says just this */
 
+/* Reports a directive that is none of names[0..n). Returns false. */
+bool   token_unknown(const Token *t, const char *const *names, size_t n);
+
 #endif

@@ -15,23 +15,17 @@ static const LightKind *find_kind(const char *name, bool area)
     return NULL;
 }
 
-static const char *nearest_kind(const char *name, bool area)
+static bool unknown_light(Place at, const char *name, bool area)
 {
     enum { MOST = 32 };
     const char *names[MOST];
+    char hint[HINT_MAX];
     size_t n = 0;
     for (size_t i = 0; lights[i] && n < MOST; i++)
         if (is_area(lights[i]) == area)
             names[n++] = lights[i]->info.name;
-    return nearest_name(name, names, n);
-}
-
-static bool unknown_light(Place at, const char *name, bool area)
-{
-    const char *near = nearest_kind(name, area);
-    return warn_at(at, "the %slight '%.60s' is not known%s%s%s; it is left out",
-                   area ? "area " : "", name, near ? ", did you mean '" : "", near ? near : "",
-                   near ? "'?" : "");
+    return warn_at(at, "the %slight '%.60s' is not known%s; it is left out", area ? "area " : "",
+                   name, hint_nearest(hint, name, names, n));
 }
 
 static const char *file_of(const Params *ps)

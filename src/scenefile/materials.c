@@ -257,30 +257,29 @@ bool material_mix(Reader *r, const Texture *amount, uint32_t first, uint32_t sec
 static bool unknown_material(Place at, const char *type)
 {
     enum { MOST = 64 };
-    const char *names[MOST], *near;
+    const char *names[MOST];
+    char hint[HINT_MAX];
     size_t n = 0;
     for (; n < NALIASES; n++)
         names[n] = aliases[n].name;
     for (size_t i = 0; bsdfs[i] && n < MOST; i++)
         names[n++] = bsdfs[i]->info.name;
-    near = nearest_name(type, names, n);
-    return warn_at(at, "unknown material '%.60s'%s%s%s; the neutral one is used", type,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(at, "unknown material '%.60s'%s; the neutral one is used", type,
+                   hint_nearest(hint, type, names, n));
 }
 
 /* A material to be mixed, by its name; the neutral one after a warning. */
 static bool mixed(Reader *r, Place at, const char *name, uint32_t *index)
 {
     uint32_t i = name ? names_find(&r->materials, name) : NAME_NONE;
-    const char *near = name ? names_nearest(&r->materials, name) : NULL;
+    char hint[HINT_MAX];
 
     *index = i == NAME_NONE || i == MATERIAL_NONE ? 0 : i;
     if (i == MATERIAL_NONE)
         return warn_at(at, "'%.80s' is not seen, cannot be mixed; the neutral one is used", name);
     return i != NAME_NONE ||
-           warn_at(at, "no material is called '%.80s'%s%s%s; the neutral one is used",
-                   name ? name : "", near ? ", did you mean '" : "", near ? near : "",
-                   near ? "'?" : "");
+           warn_at(at, "no material is called '%.80s'%s; the neutral one is used",
+                   name ? name : "", name ? names_hint(&r->materials, name, hint) : "");
 }
 
 /* Version 3 names namedmaterial1 and 2 and weighs the first by `amount`, version 4 has a list and
@@ -417,8 +416,7 @@ bool do_make_named_material(Reader *r, Place at)
 bool do_named_material(Reader *r, Place at)
 {
     Token t;
-    char *name;
-    const char *near;
+    char *name, hint[HINT_MAX];
     uint32_t index;
 
     (void)at;
@@ -428,7 +426,6 @@ bool do_named_material(Reader *r, Place at)
     r->state.material = index == NAME_NONE ? 0 : index;
     if (index != NAME_NONE)
         return true;
-    near = names_nearest(&r->materials, name);
-    return warn_at(t.at, "no material is called '%.80s'%s%s%s; the neutral one is used", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(t.at, "no material is called '%.80s'%s; the neutral one is used", name,
+                   names_hint(&r->materials, name, hint));
 }

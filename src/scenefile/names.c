@@ -36,14 +36,14 @@ bool names_set(Names *t, Arena *arena, const char *name, uint32_t value)
            MEM_PUSH(t->entry, t->n, t->cap, fresh);
 }
 
-const char *names_nearest(const Names *t, const char *name)
+const char *names_hint(const Names *t, const char *name, char hint[HINT_MAX])
 {
     enum { MOST = 100 };
     const char *some[MOST];
     size_t n = t->n < MOST ? t->n : MOST;
     for (size_t i = 0; i < n; i++)
         some[i] = t->entry[i].name;
-    return nearest_name(name, some, n);
+    return hint_nearest(hint, name, some, n);
 }
 
 void names_clear(Names *t)

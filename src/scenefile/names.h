@@ -3,6 +3,7 @@
 #ifndef SCENEFILE_NAMES_H
 #define SCENEFILE_NAMES_H
 
+#include "base/error.h"
 #include "base/mem.h"
 #include "geometry/lookup.h"
 
@@ -18,8 +19,8 @@ typedef struct {
 uint32_t names_find(const Names *t, const char *name);          /* NAME_NONE: not there */
 /* Sets or replaces; the name is copied to the arena. False: out of memory, reported. */
 bool names_set(Names *t, Arena *arena, const char *name, uint32_t value);
-/* A known name near to this one, or NULL; only the first ones are looked at. */
-const char *names_nearest(const Names *t, const char *name);
+/* As hint_nearest, of the names in t; only the first ones are looked at. */
+const char *names_hint(const Names *t, const char *name, char hint[HINT_MAX]);
 void names_clear(Names *t);
 
 #endif

@@ -60,12 +60,12 @@ static bool pool_number(ParamPool *pool, double v)
 
 static bool unknown_type(Place at, const char *word)
 {
-    const char *names[NTYPES], *near;
+    const char *names[NTYPES];
+    char hint[HINT_MAX];
     for (size_t i = 0; i < NTYPES; i++)
         names[i] = type_names[i].name;
-    near = nearest_name(word, names, NTYPES);
-    return err_at(at, "unknown parameter type '%.60s'%s%s%s", word, near ? ", did you mean '" : "",
-                  near ? near : "", near ? "'?" : "");
+    return err_at(at, "unknown parameter type '%.60s'%s", word,
+                  hint_nearest(hint, word, names, NTYPES));
 }
 
 /* Cuts the next blank-separated word out of s and ends it with a 0. */
@@ -260,7 +260,8 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
 static bool spectrum_of_string(Reader *r, const Param *p, SpectrumUse use, double rgb[3],
                                bool *known)
 {
-    const char *name = r->pool.text + r->pool.string_at[r->pool.nstrings - 1], *near;
+    const char *name = r->pool.text + r->pool.string_at[r->pool.nstrings - 1];
+    char hint[HINT_MAX];
 
     *known = true;
     if (p->n != 1)
@@ -270,9 +271,8 @@ static bool spectrum_of_string(Reader *r, const Param *p, SpectrumUse use, doubl
     if (*path_extension(name))
         return read_spd(r, p->at, name, use, rgb);
     *known = false;
-    near = spectrum_nearest_name(name);
-    return warn_at(p->at, "unknown spectrum '%.80s'%s%s%s; the parameter is left out", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(p->at, "unknown spectrum '%.80s'%s; the parameter is left out", name,
+                   spectrum_hint(name, hint));
 }
 
 static bool spectrum_of_numbers(Reader *r, const Param *p, SpectrumUse use, const double *v,

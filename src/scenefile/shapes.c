@@ -417,13 +417,13 @@ const ShapeReader *const shape_readers[] = {
 static bool unknown_shape(Place at, const char *name)
 {
     enum { MOST = 32 };
-    const char *names[MOST], *near;
+    const char *names[MOST];
+    char hint[HINT_MAX];
     size_t n = 0;
     for (; shape_readers[n] && n < MOST; n++)
         names[n] = shape_readers[n]->info.name;
-    near = nearest_name(name, names, n);
-    return warn_at(at, "unknown shape '%.60s'%s%s%s; it is left out", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(at, "unknown shape '%.60s'%s; it is left out", name,
+                   hint_nearest(hint, name, names, n));
 }
 
 /* What opts_params must not call unknown: the arrays, which the readers take themselves. */

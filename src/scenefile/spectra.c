@@ -117,7 +117,7 @@ bool spectrum_named(const Cie *c, const char *name, SpectrumUse use, double rgb[
     return false;
 }
 
-const char *spectrum_nearest_name(const char *name)
+const char *spectrum_hint(const char *name, char hint[HINT_MAX])
 {
     static const char *const names[] = {
         "metal-Ag-eta", "metal-Ag-k", "metal-Al-eta", "metal-Al-k", "metal-Au-eta", "metal-Au-k",
@@ -126,5 +126,5 @@ const char *spectrum_nearest_name(const char *name)
         "glass-LASF9", "glass-SF5", "glass-SF10", "glass-SF11", "stdillum-A", "stdillum-D50",
         "stdillum-D65", "illum-acesD60", "stdillum-F2", "stdillum-F7", "stdillum-F11"
     };
-    return nearest_name(name, names, COUNT(names));
+    return hint_nearest(hint, name, names, COUNT(names));
 }

@@ -2,6 +2,8 @@
 #ifndef SCENEFILE_SPECTRUM_H
 #define SCENEFILE_SPECTRUM_H
 
+#include "base/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -29,7 +31,7 @@ void spectrum_from_kelvin(const Cie *c, double kelvin, const double *scale, doub
 
 /* "metal-Cu-eta", "glass-BK7", "stdillum-D65". False: unknown. */
 bool spectrum_named(const Cie *c, const char *name, SpectrumUse use, double rgb[3]);
-const char *spectrum_nearest_name(const char *name);
+const char *spectrum_hint(const char *name, char hint[HINT_MAX]);       /* as hint_nearest */
 
 /* m turns linear RGB of another space into ours; white stays white. False: unknown. */
 bool spectrum_space(const char *name, double m[3][3]);

@@ -169,8 +169,7 @@ bool do_medium(Reader *r, Place at)
 /* "" is nothing; so is one that could not be made. */
 static bool find_medium(Reader *r, const Token *t, uint32_t *index)
 {
-    char *name = reader_text(r, t);
-    const char *near;
+    char *name = reader_text(r, t), hint[HINT_MAX];
 
     *index = NO_MEDIUM;
     if (!name)
@@ -179,10 +178,9 @@ static bool find_medium(Reader *r, const Token *t, uint32_t *index)
         return true;
     *index = names_find(&r->media, name);
     if (*index == NAME_NONE) {
-        near = names_nearest(&r->media, name);
         *index = NO_MEDIUM;
-        return warn_at(t->at, "unknown medium '%.80s'%s%s%s; nothing is there", name,
-                       near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+        return warn_at(t->at, "unknown medium '%.80s'%s; nothing is there", name,
+                       names_hint(&r->media, name, hint));
     }
     if (*index == NO_MEDIUM - 1)
         *index = NO_MEDIUM;

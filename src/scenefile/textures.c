@@ -13,16 +13,15 @@ static uint32_t find_index(const Reader *r, const char *name, bool colour)
 bool texture_find(Reader *r, Place at, const char *name, bool colour, const Texture **t)
 {
     uint32_t i = find_index(r, name, colour);
-    const char *near;
+    char hint[HINT_MAX];
 
     *t = NULL;
     if (i != NAME_NONE) {
         *t = r->textures[i].texture;
         return true;
     }
-    near = names_nearest(colour ? &r->colour_textures : &r->float_textures, name);
-    return warn_at(at, "unknown texture '%.80s'%s%s%s; the parameter is left out", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    names_hint(colour ? &r->colour_textures : &r->float_textures, name, hint);
+    return warn_at(at, "unknown texture '%.80s'%s; the parameter is left out", name, hint);
 }
 
 /* ---- operands ---- */
@@ -237,14 +236,14 @@ static int find_class(const Token *t)
 
 static bool unknown_class(Reader *r, const Token *t)
 {
-    const char *names[NCLASSES], *near, *name = reader_text(r, t);
+    const char *names[NCLASSES], *name = reader_text(r, t);
+    char hint[HINT_MAX];
     if (!name)
         return false;
     for (int i = 0; i < NCLASSES; i++)
         names[i] = classes[i].name;
-    near = nearest_name(name, names, NCLASSES);
-    return warn_at(t->at, "unknown class of texture '%.60s'%s%s%s; grey 0.5 is used", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(t->at, "unknown class of texture '%.60s'%s; grey 0.5 is used", name,
+                   hint_nearest(hint, name, names, NCLASSES));
 }
 
 /* Parameters that nothing asked for. */

@@ -156,8 +156,7 @@ bool do_coordinate_system(Reader *r, Place at)
 bool do_coord_sys_transform(Reader *r, Place at)
 {
     Token t;
-    char *name;
-    const char *near;
+    char *name, hint[HINT_MAX];
     uint32_t i;
 
     if (!reader_string(r, "the name of the coordinate system", &t))
@@ -169,9 +168,8 @@ bool do_coord_sys_transform(Reader *r, Place at)
     if (i != NAME_NONE)
         return set_one(at, &r->state.ctm, &r->transforms[i].start) &&
                set_one(at, &r->state.end, &r->transforms[i].end);
-    near = names_nearest(&r->systems, name);
-    return warn_at(t.at, "unknown coordinate system '%.80s'%s%s%s; the transform stays", name,
-                   near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return warn_at(t.at, "unknown coordinate system '%.80s'%s; the transform stays", name,
+                   names_hint(&r->systems, name, hint));
 }
 
 /* ---- motion ---- */
