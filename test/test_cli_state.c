@@ -187,14 +187,14 @@ static void killed(void)
 }
 
 /* Methods that have little in common. */
-static const char *const THREE[] = { "path", "vcm", "pssmlt" };
+enum { FOUR = 4 };
+static const char *const OTHERS[FOUR] = { "path", "vcm", "pssmlt", "swarm" };
 
-static void killed_three(void)
+static void killed_four(void)
 {
     cli_scene();
-    for (int k = 0; k < 3; k++)
-        if (kind_find(integrators, THREE[k]))
-            killed_often(THREE[k], 50, 32);
+    for (int k = 0; k < FOUR; k++)
+        killed_often(OTHERS[k], 50, 32);
 }
 
 /* And all others. */
@@ -203,8 +203,8 @@ static void killed_all(void)
     cli_scene();
     for (int k = 0; integrators[k]; k++) {
         bool other = !integrators[k]->unkept;
-        for (int i = 0; i < 3; i++)
-            other = other && strcmp(integrators[k]->info.name, THREE[i]);
+        for (int i = 0; i < FOUR; i++)
+            other = other && strcmp(integrators[k]->info.name, OTHERS[i]);
         if (other)
             killed_often(integrators[k]->info.name, 8, 16);
     }
@@ -241,7 +241,7 @@ const TestCase test_cli_state[] = {
     { "full_disk", full_disk, false },
     { "full_for_a_moment", full_for_a_moment, false },
     { "killed", killed, false },
-    { "killed_three", killed_three, true },
+    { "killed_four", killed_four, true },
     { "killed_all", killed_all, true },
     { "shards", shards, false },
     { NULL, NULL, false }

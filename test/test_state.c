@@ -125,6 +125,7 @@ static const char *quick(const char *name)
     return !strcmp(name, "photonmap") ? "photonmap:photons=2000,caustics=500,gather=2"
          : !strcmp(name, "irradiancecache") ? "irradiancecache:rays=64"
          : !strcmp(name, "pssmlt") ? "pssmlt:chains=40,bootstrap=80"
+         : !strcmp(name, "swarm") ? "swarm:band=1,point=8,lens=8,direction=8"
          : !strcmp(name, "instantradiosity") ? "instantradiosity:lights=16" : name;
 }
 
@@ -138,6 +139,7 @@ static void methods(void)
         "sppm:photons=5000",
         "sppm:glossy=follow,k=8", "ppm:samples=2", "path@halton", "light@stratified",
         "photonmap:view=direct,strategy=triple,photons=2000,caustics=500,gather=2",
+        "swarm:passes=3,bounces=2",
     };
     RenderSettings s;
     Lab l;
@@ -383,13 +385,13 @@ static void add_shares(Lab *l, const RenderSettings *s, uint32_t n, Merge *m)
     EXPECT(!merge_missing(m), "shares are missing");
 }
 
-/* Shares add up to the render that was shared, bit by bit; those of methods whose passes build on
- * each other to as many samples, none of which two shares have in common. */
+/* Shares add up to the render that was shared, bit by bit; those of methods whose passes or pixels
+ * build on each other to as many samples, none of which two shares have in common. */
 static void shares(void)
 {
     for (int k = 0; integrators[k]; k++) {
         const IntegratorKind *kind = integrators[k];
-        bool own = kind->save && (kind->anew || !kind->radiance);
+        bool own = kind->walk || (kind->save && (kind->anew || !kind->radiance));
         RenderSettings s;
         RenderReport report;
         Merge m = { 0 };

@@ -251,8 +251,9 @@ typedef struct {
     Rgb (*radiance)(const Integrator *it, const Ray *r, Tracer *t);
 
     /* For methods that learn from pixel to pixel: they choose the order of a pass's samples. `walk`
-     * takes numbers first .. first + n - 1 of all pixels of a unit; no two units share a tile of
-     * the film. `batch` is n of a pass, spp being what is planned in all, 0 if that is not known.
+     * takes numbers first .. first + n - 1 of all pixels of a unit, or, if the taker is late before
+     * the last, of some, and is called again for the others; no two units share a tile of the
+     * film. `batch` is n of a pass, spp being what is planned in all, 0 if that is not known.
      * NULL: the driver goes from tile to tile. */
     uint32_t (*walks)(const Integrator *it, const Film *f);
     void (*walk)(Integrator *it, const Film *f, uint32_t unit, uint32_t first, uint32_t n,

@@ -131,11 +131,10 @@ static void run_unit(void *ctx, uint64_t unit, int worker)
         adaptive_run(&j->adaptive, (uint32_t)unit, &taker);
     } else if (j->phase == SAMPLES && !it->kind->walk) {
         camera_tile(j, t, (uint32_t)unit, done);
+    } else if (j->phase == SAMPLES) {
+        it->kind->walk(it, j->film, (uint32_t)unit, j->base + j->first, j->count, &taker);
     } else {
-        if (j->phase == SAMPLES)
-            it->kind->walk(it, j->film, (uint32_t)unit, j->base + j->first, j->count, &taker);
-        else
-            run_integrator(j, unit, t);
+        run_integrator(j, unit, t);
         *done = UNIT_DONE;
     }
 }

@@ -38,12 +38,13 @@ static bool stretch_canvas(Job *j)
 
 /* ---- shares of a render ---- */
 
-/* Whether a pass builds on what passes before it have left behind: then a share is not some of the
- * samples of the whole but a render of its own, with numbers of its own. */
+/* Whether a pass builds on what passes before it have left behind, or a pixel on those before it:
+ * then a share is not some of the samples of the whole but a render of its own, with numbers of its
+ * own. */
 static bool has_own_numbers(const Job *j)
 {
     const IntegratorKind *k = j->settings.integrator;
-    return j->adapts || (k->save && phases_are_anew(k));
+    return j->adapts || k->walk || (k->save && phases_are_anew(k));
 }
 
 /* The part i of n of so many; n at most as many. */

@@ -1,0 +1,112 @@
+/* guidelights.c -- a guide's choice of lights, and of points on them: see guide.h.
+ *
+ * Source      [Cline07 9.2]; errata 9.2, 9.4.
+ * Lights      A share of the choices is made by the map, the others by the light sampler; the
+ *             probability is that of both together.
+ * Points      The map warps the numbers that choose a point. Where a light can tell the numbers
+ *             that would have given a direction, the density is known of every direction. */
+#include "integrators/guideinner.h"
+
+/* The entry of a light: if there are more lights than entries, several have one. */
+static int entry_of(const Guide *g, int map, const Light *l)
+{
+    uint64_t n = (uint64_t)g->plan->shape[map].w;
+    return (int)(l->index * n / g->plan->scene->nlights);
+}
+
+/* The first light of an entry: entry_of() of it is `entry`, and of the one before it is not. */
+static size_t first_of(const Guide *g, int map, int entry)
+{
+    uint64_t n = (uint64_t)g->plan->shape[map].w;
+    return (size_t)(((uint64_t)entry * g->plan->scene->nlights + n - 1) / n);
+}
+
+static float pmf_by_map(const Guide *g, int map, const Light *l)
+{
+    int i = entry_of(g, map, l);
+    return inverted_pmf(&g->table[map], i) /
+           (float)(first_of(g, map, i + 1) - first_of(g, map, i));
+}
+
+static const Light *light_by_map(const Guide *g, int map, float u)
+{
+    const Scene *s = g->plan->scene;
+    size_t first, n, k;
+    float rest;
+    int i = inverted_choose(&g->table[map], u, &rest);
+
+    first = first_of(g, map, i);
+    n = first_of(g, map, i + 1) - first;
+    k = (size_t)(rest * (float)n);
+    return s->lights[first + (k < n ? k : n - 1)];
+}
+
+static bool guides_lights(const Guide *g)
+{
+    return g->here >= 0 && guide_has(g, guide_map(GUIDE_LIGHT, g->here));
+}
+
+float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const Light *l)
+{
+    float own = ls->kind->pmf(ls, p, n, l), share;
+    int map;
+
+    if (!guides_lights(g))
+        return own;
+    map = guide_map(GUIDE_LIGHT, g->here);
+    share = g->share[map];
+    return share * pmf_by_map(g, map, l) + (1.0f - share) * own;
+}
+
+const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, float *pmf)
+{
+    const Light *l;
+    float left, share;
+    int map;
+
+    if (!guides_lights(g))
+        return ls->kind->pick(ls, p, n, u, pmf, &left);
+    map = guide_map(GUIDE_LIGHT, g->here);
+    share = g->share[map];
+    if (u < share)
+        l = light_by_map(g, map, f_min(u / share, ONE_MINUS_ULP));
+    else
+        l = ls->kind->pick(ls, p, n, f_min((u - share) / (1.0f - share), ONE_MINUS_ULP), pmf,
+                           &left);
+    if (!l)
+        return NULL;
+    g->decided[map] = (Decided){ .used = true, .own = ls->kind->pmf(ls, p, n, l),
+                                 .map = pmf_by_map(g, map, l) };
+    g->decided[map].place.x = ((float)entry_of(g, map, l) + 0.5f) / (float)g->plan->shape[map].w;
+    *pmf = share * g->decided[map].map + (1.0f - share) * g->decided[map].own;
+    return l;
+}
+
+float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi)
+{
+    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    V2 u;
+
+    if (map < 0 || !guide_has(g, map) || !l->kind->numbers || !l->kind->numbers(l, beside, wi, &u))
+        return 1.0f;
+    return inverted_density(&g->table[map], u);
+}
+
+void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf)
+{
+    V2 u;
+
+    if (l->kind->numbers && l->kind->numbers(l, beside, s->wi, &u))
+        *pdf *= g->point_density;
+    else
+        s->L = rgb_scale(s->L, 1.0f / g->point_density);
+}
+
+void guide_met(Guide *g, const Light *l, bool beside, V3 wi, Rgb light)
+{
+    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    V2 u;
+
+    if (map >= 0 && guide_has(g, map) && l->kind->numbers && l->kind->numbers(l, beside, wi, &u))
+        learned_add(g->worth + g->plan->at[map], g->plan->shape[map], u, rgb_lum(light));
+}
