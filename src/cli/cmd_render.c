@@ -137,6 +137,21 @@ static void summary(const RenderReport *r, const Film *f, const Line *l)
          error < INFINITY ? e : "unknown");
 }
 
+/* [GIRT table 5.3], for methods that have paths from lamps and from the eye. */
+static void summary_of_paths(const RenderReport *r)
+{
+    const PathWork *w = &r->work;
+
+    if (w->from_lamps && w->from_eye)
+        note("%.2f edges a path from the lamps, %.2f from the eye, each with %.1f connections and "
+             "%.1f mergers; a pass took %.3f s, %.3f of it before the eye's paths",
+             (double)w->lamp_edges / (double)w->from_lamps,
+             (double)w->eye_edges / (double)w->from_eye,
+             (double)w->joins / (double)w->from_eye, (double)w->mergers / (double)w->from_eye,
+             r->passes ? r->seconds / r->passes : r->seconds,
+             r->passes ? r->before / r->passes : r->before);
+}
+
 /* The name with another ending, in the arena. NULL: no memory, reported. */
 static const char *with_ending(SceneFile *f, const char *name, const char *ending)
 {
@@ -243,6 +258,7 @@ static bool finish(const Line *l, const RenderSettings *s, const Film *film, con
     if (k->written && k->failed)
         err_forgive();
     summary(report, film, l);
+    summary_of_paths(report);
     if (report->interrupted && k->written && s->keeper)
         note("%s has its state; the same command with --resume %s goes on", l->state, l->state);
     return k->written;

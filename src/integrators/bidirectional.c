@@ -167,6 +167,7 @@ static void show(const Bidirectional *b, const LightVertex *y, Tracer *t)
     seen = rgb_mul(y->flux, vertex_f_cos_of_light(v, c.wi, local));
     if (rgb_black(seen))
         return;
+    t->work.joins++;
     seen = lens_sees(&c, &v->s, medium_beyond(&v->s, c.wi, y->medium), seen, t);
     if (rgb_black(seen))
         return;
@@ -188,6 +189,7 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
     int n = 0, most = t->only && t->only->light < b->maxdepth ? t->only->light : b->maxdepth;
 
     t->shots++;
+    t->work.from_lamps++;
     if (most == 0 || !leave(b, &p, time, &start, &odds, t))
         return 0;
     from = start.e.p;
@@ -195,6 +197,7 @@ int bidirectional_light(const Bidirectional *b, float time, LightVertex *path, T
         LightVertex *y = &path[n];
         if (!arrive(b, &p, &start, &from, &odds, y, t))
             break;
+        t->work.lamp_edges++;
         if (vertex_is_smooth(&y->v)) {
             if ((b->techniques.connects || b->joins == JOINS_LENS) &&
                 tracer_makes(t, 0, y->edges, false))
@@ -342,6 +345,7 @@ static Rgb join(const Bidirectional *b, Eye *e, const Vertex *z, const LightSamp
 
     if (!tries(b, e, rivals_connected(r, &b->techniques, b->techniques.eta), vertices, &c, t))
         return rgb_all(0.0f);
+    t->work.joins++;
     ray = shadow_ray(&z->s, to);
     if (!tracer_passes(t, &ray, medium_beyond(&z->s, to->wi, e->beam.medium), &c))
         return rgb_all(0.0f);
@@ -465,6 +469,7 @@ static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Poin
             Rivals r;
             if (!merge(b, e, z, near[i].k, &c, &r))
                 continue;
+            t->work.mergers++;
             counts = rgb_scale(c, rivals_merged(r, q, q->eta) / q->eta);
             tracer_tally(t, (int)near[i].k->edges + e->beam.depth + 1, STRATEGY_MERGE, counts);
             for (int j = 0; j < b->radii; j++)
@@ -600,6 +605,7 @@ static Rgb follow(const Bidirectional *b, Eye *e, const LightVertex *path, int n
         Vertex z;
         if (!beam_meets(&e->beam, &z.s, t))
             return e->part == OTHER_PART ? sum : rgb_add(sum, implicit_sky(b, e, t));
+        t->work.eye_edges++;
         vertex_make(&z, b->scene, e->beam.ray.d);
         if (!part_counts(b, e, &z))
             return sum;
@@ -620,6 +626,7 @@ Rgb bidirectional_look(const Bidirectional *b, const Ray *r, const LightVertex *
 {
     Eye e = eye_begin(b, r);
 
+    t->work.from_eye++;
     return t->only && t->only->eye == 0 ? rgb_all(0.0f) : follow(b, &e, path, n, t);
 }
 

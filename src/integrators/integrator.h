@@ -79,11 +79,19 @@ typedef struct {
 typedef struct { int eye, light; bool met; } Technique;
 typedef struct Guide Guide;
 
+/* What paths from both ends consist of [GIRT table 5.3]; of the others only the rays are told. */
+typedef struct {
+    uint64_t from_lamps, from_eye;      /* paths */
+    uint64_t lamp_edges, eye_edges;     /* of theirs that ended on a surface */
+    uint64_t joins, mergers;            /* rays between the two, or to the lens; pairs merged */
+} PathWork;
+
 /* One worker's tools. */
 typedef struct Tracer {
     const Scene *scene;         /* borrowed */
     Sampler  sampler;
     uint64_t rays;              /* cast so far, for progress */
+    PathWork work;              /* so far */
     uint64_t shots;             /* so far, whose splats' mean is the picture */
     const Canvas *canvas;       /* borrowed; NULL: there is none */
     SplatList *held;            /* borrowed; not NULL: splats go there instead */

@@ -29,6 +29,7 @@ struct Job {
     double       so_far, coming;        /* samples a pixel: before this pass, and in it */
     double       expected;              /* in all, as far as one can tell; 0: not */
     uint32_t     pass;
+    double       before;                /* seconds of phases before camera samples */
     int          phase;                 /* of the integrator; SAMPLES: camera samples */
     uint64_t     phase_units, rays;     /* rays: under the queue's mutex */
     uint64_t     first_unit;            /* those before it are done */

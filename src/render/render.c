@@ -162,10 +162,24 @@ static void report_now(const Job *j, RenderReport *r)
                : j->film->splats ? j->film->splats->shots : film_samples(j->film);
     r->rays = j->rays;
     r->passes = j->pass;
+    r->before = j->before;
     r->spp = !j->integrator->kind->radiance
                  ? j->first + (j->midway ? j->count : 0)
                  : (double)r->samples / ((double)j->film->w * j->film->h);
     r->interrupted = j->settings.stop && *j->settings.stop;
+}
+
+static void report_work(const Job *j, RenderReport *r)
+{
+    for (int i = 0; i < j->settings.threads; i++) {
+        const PathWork *w = &j->tracers[i].work;
+        r->work.from_lamps += w->from_lamps;
+        r->work.from_eye += w->from_eye;
+        r->work.lamp_edges += w->lamp_edges;
+        r->work.eye_edges += w->eye_edges;
+        r->work.joins += w->joins;
+        r->work.mergers += w->mergers;
+    }
 }
 
 /* Somebody wants to see what there is by now. */
@@ -321,6 +335,7 @@ static bool begin_phase(Job *j, int phase)
 static void run_phase(Job *j, int phase)
 {
     Work w = { 0, run_unit, after_unit, NULL };
+    double start = clock_wall();
 
     w.ctx = j;
     if (!begin_phase(j, phase)) {
@@ -337,6 +352,8 @@ static void run_phase(Job *j, int phase)
         if (!j->ended)
             work_run(&w, j->settings.threads);
     } while (j->paused && !j->ended);
+    if (phase != SAMPLES)
+        j->before += clock_wall() - start;
     j->ended = j->ended || j->integrator->failed;
     if (!j->ended && phase == j->left_phase)
         forget_left(j);
@@ -536,6 +553,7 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
         if (ok && j.integrator->kind->finish)
             ok = j.integrator->kind->finish(j.integrator, film);
         report_now(&j, report);
+        report_work(&j, report);
         progress_end(&j.progress);
         ok = ok && report_refused(film);
     }

@@ -67,6 +67,8 @@ typedef struct {
     double   spp;                       /* samples a pixel: their mean; of whole passes, if the
                                          * integrator does not give radiance along a ray */
     uint32_t passes;                    /* whole ones */
+    double   before;                    /* seconds of phases before camera samples */
+    PathWork work;                      /* of this run, known when it is over */
     bool     interrupted;
 } RenderReport;
 
