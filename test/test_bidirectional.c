@@ -326,7 +326,7 @@ static void one_pair(Pair *q, uint32_t index)
     LightVertex path[DEPTH_MOST];
     int n;
 
-    memset(&q->tally, 0, sizeof q->tally);
+    tally_clear(&q->tally);
     sampler_pixel(&q->t.sampler, index, 7);
     sampler_start(&q->t.sampler, 0);
     q->ray = c->kind->ray(c, (V2){ 32 * sample_1d(&q->t.sampler, DECISION(DECIDE_TIME, 0)),
@@ -383,6 +383,7 @@ static void weights_of(const char *lamp, const char *options, float eta, bool fi
     q.l = &l;
     q.t.scene = l.scene;
     q.t.tally = &q.tally;
+    q.tally.by_technique = true;
     REQUIRE(sampler_init(&sampler, independent, &none, 3, &spp), "sampler");
     q.t.sampler = sampler;
     for (long i = 0; i < pairs; i++)

@@ -37,7 +37,8 @@ Rgb direct_scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
     Rgb L;
 
     if (tally) {
-        memset(&own, 0, sizeof own);
+        own.by_technique = false;
+        tally_clear(&own);
         t->tally = &own;
     }
     L = it->strategy->light(it, u, t);

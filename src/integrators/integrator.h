@@ -24,6 +24,9 @@
 #include "sampling/sampler.h"
 #include "scene/scene.h"
 
+#include <stddef.h>
+#include <string.h>
+
 typedef struct Integrator Integrator;
 
 /* What one camera sample found, apart by path length and by strategy: for tests, and for pictures
@@ -38,13 +41,22 @@ extern const char *const strategy_names[STRATEGIES];
 enum { TALLY_LENGTHS = 17 };            /* edges 0 .. 15; the last entry holds all longer ones */
 enum { TALLY_RADII = 8 };
 typedef struct {
+    bool by_technique;          /* is wanted, too */
     Rgb length[TALLY_LENGTHS];
     Rgb strategy[STRATEGIES];
+    Rgb radius[TALLY_RADII];            /* of methods that merge by several radii at once */
     /* of methods that join two paths, by the number of vertices that came from the lamp and from
      * the eye: as it counts, and without its weight */
     struct { Rgb weighed, bare; } technique[TALLY_LENGTHS][TALLY_LENGTHS];
-    Rgb radius[TALLY_RADII];            /* of methods that merge by several radii at once */
 } Tally;
+
+/* Before a sample. Techniques are many: they are left as they are where nobody asks for them. */
+INLINE void tally_clear(Tally *t)
+{
+    bool wanted = t->by_technique;
+    memset(t, 0, wanted ? sizeof *t : offsetof(Tally, technique));
+    t->by_technique = wanted;
+}
 
 /* Where splats go. */
 typedef struct {
@@ -199,7 +211,8 @@ INLINE void tracer_tally(Tracer *t, int edges, Strategy how, Rgb c)
 /* A path of so many vertices from the lamp and from the eye brings c, times the weight. */
 INLINE void tracer_technique(Tracer *t, int lamp, int eye, float weight, Rgb c)
 {
-    if (LIKELY(!t->tally) || lamp >= TALLY_LENGTHS || eye >= TALLY_LENGTHS)
+    if (LIKELY(!t->tally) || !t->tally->by_technique || lamp >= TALLY_LENGTHS ||
+        eye >= TALLY_LENGTHS)
         return;
     t->tally->technique[lamp][eye].weighed = rgb_add(t->tally->technique[lamp][eye].weighed,
                                                      rgb_scale(c, weight));

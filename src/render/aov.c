@@ -225,7 +225,10 @@ static bool any(const Aov *a, int n, bool (*is)(AovKind))
     return false;
 }
 
+static bool of_technique(AovKind k) { return k == AOV_TECHNIQUE || k == AOV_UNWEIGHTED; }
+
 bool aov_needs_tally(const Aov *a, int n) { return any(a, n, of_light); }
+bool aov_needs_techniques(const Aov *a, int n) { return any(a, n, of_technique); }
 
 /* Whether light by a path of so many edges, found so, belongs to it. */
 static bool takes_path(const Aov *a, int edges, int how)

@@ -50,7 +50,7 @@ static float camera_sample(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_
         time = scene_time(j->scene, sample_1d(&t->sampler, DECISION(DECIDE_TIME, 0)));
     r = c->kind->ray(c, (V2){ (float)x + 0.5f + off.x, (float)y + 0.5f + off.y }, lens, time);
     if (t->tally)
-        memset(t->tally, 0, sizeof *t->tally);
+        tally_clear(t->tally);
     t->x = x;
     t->y = y;
     t->kept = keep;

@@ -47,6 +47,7 @@ typedef struct {
     bool  first;                /* of the pixel, on the film */
 } AovSample;
 bool aov_needs_tally(const Aov *a, int n);
+bool aov_needs_techniques(const Aov *a, int n);
 /* Which layers of the film, 1 + k for aov k, take splats of which paths; layer 0 takes all. */
 void aov_layers(const Aov *a, int n, Canvas *c);
 /* Values of the picture, values[0], which is given, and n more, times the sample's weight. */

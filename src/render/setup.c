@@ -116,6 +116,8 @@ static bool init_tracers(Job *j)
         j->tracers[i].scene = j->scene;
         j->tracers[i].spread = spread;
         j->tracers[i].tally = j->tallies ? &j->tallies[i] : NULL;
+        if (j->tallies)
+            j->tallies[i].by_technique = aov_needs_techniques(s->aovs, s->naovs);
         j->tracers[i].canvas = s->integrator->splats ? &j->canvas : NULL;
     }
     return true;
