@@ -370,21 +370,28 @@ static void errors(void)
 
 /* ---- many and odd visitors ---- */
 
+static int come_silently(const View *v, int k)
+{
+    int fd = dial(INADDR_LOOPBACK, v->port);
+
+    REQUIRE(fd >= 0, "visitor %d: %s", k, strerror(errno));
+    send(fd, "GET /", (size_t)k % 6, MSG_NOSIGNAL);
+    return fd;
+}
+
 /* Silent ones, slow ones, ones that go away, much too much: others are served meanwhile. */
 static void visitors(void)
 {
+    enum { FEW = 8, MANY = 32, TRIES = 1000 };
     static char flood[100000];
-    int silent[8];
+    int silent[MANY], tries = 0, busy;
     View v;
     Reply r;
 
     cli_scene();
     view_start(&v, "--size 8x8 --spp 1");
-    for (int k = 0; k < 8; k++) {
-        silent[k] = dial(INADDR_LOOPBACK, v.port);
-        REQUIRE(silent[k] >= 0, "visitor %d: %s", k, strerror(errno));
-        send(silent[k], "GET /", (size_t)k % 6, MSG_NOSIGNAL);
-    }
+    for (int k = 0; k < FEW; k++)
+        silent[k] = come_silently(&v, k);
     for (int k = 0; k < 20; k++)
         close(dial(INADDR_LOOPBACK, v.port));
     memset(flood, 'a', sizeof flood - 1);
@@ -395,8 +402,16 @@ static void visitors(void)
            strstr(r.body, "<canvas") && !strstr(r.body, "http"), "the page");
     ask_well(&v, "GET", "script.js");
     ask_well(&v, "GET", "style.css");
+    for (int k = FEW; k < MANY; k++)
+        silent[k] = come_silently(&v, k);
+    busy = ask(&v, "GET", "style.css").status;      /* 0: gone before it had asked */
+    EXPECT(busy == 503 || !busy, "one too many: %d", busy);
+    for (int k = 0; k < FEW; k++)
+        close(silent[k]);
+    while (ask(&v, "GET", "style.css").status != 200)
+        REQUIRE(++tries < TRIES, "nobody is let in after some have gone");
     view_end(&v);
-    for (int k = 0; k < 8; k++)
+    for (int k = FEW; k < MANY; k++)
         close(silent[k]);
 }
 

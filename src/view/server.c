@@ -153,6 +153,21 @@ static void *connection_run(void *arg)
 
 /* ---- the door ---- */
 
+/* So little fits into the socket at once: nobody is waited for. */
+static void refuse(int fd)
+{
+    char bytes[HTTP_HEAD_MOST];
+    Answer a;
+
+    answer_error(&a, HTTP_BUSY, "too many are here already");
+    send_answer(fd, &a);
+    answer_clear(&a);
+    shutdown(fd, SHUT_WR);
+    if (recv(fd, bytes, sizeof bytes, 0) < 0)
+        errno = 0;                      /* it has not asked yet, and may miss the answer */
+    close(fd);
+}
+
 /* On a thread of its own; where there is none, it is refused. */
 static void begin(Server *s, int fd)
 {
@@ -171,7 +186,7 @@ static void begin(Server *s, int fd)
         return;
     }
     mem_free(c);
-    close(fd);
+    refuse(fd);
     pthread_mutex_lock(&s->lock);
     s->connections -= ok;
     pthread_mutex_unlock(&s->lock);
