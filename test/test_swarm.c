@@ -109,7 +109,7 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
         int cells = learned_cells(n->plan.shape[m]);
         float *mass = maps + n->plan.at[m];
         for (int i = 0; i < cells && m != GUIDE_BIFURCATION; i++)
-            mass[i] *= rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.1f;
+            mass[i] = rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.01f;
         for (int k = 0; cells && k < GUIDE_LEVELS; k++)
             mass[cells + k] = 1.0f / (float)(1 + k);    /* the more of the map the better */
     }

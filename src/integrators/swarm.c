@@ -17,9 +17,11 @@
  *             gets to all sides, also upwards, which [Cline07 9.4] misses. A pass is unbiased by
  *             itself, whatever the one before has found; so is their mean by count of samples,
  *             which the film makes, and early passes, the noisy ones, are the shortest.
- * Departs     Maps are kept as they are, not inverted: see learned.h. A pixel whose samples were
- *             all black passes its maps on as they came. Maps are used where they are of
- *             use: see guide.h.
+ * Departs     Maps are kept as they are, not inverted, and are of squares, not of means, nor are
+ *             they normalised: see learned.h. A pixel whose samples were all black passes its maps
+ *             on as they came. Maps are used where they are of use: see guide.h; the even part of
+ *             preimage maps is what that leaves, at the default share no less than the constant
+ *             1/n makes it.
  * Windows     The pixels of a window are not those of the whole picture: they have had other
  *             neighbours. */
 #include "base/mem.h"
@@ -146,7 +148,7 @@ static const OptDef options[] = {
     MAP("direction", 32, 128, "map of scattered directions, by latitude and longitude: cells each "
         "way"),
     { .key = "share", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 0.95,
-      .help = "of decisions about lights, directions and bifurcations, made by maps" },
+      .help = "of decisions, made by maps" },
     { .key = "bounces", .type = OPT_INT, .num = 1, .lo = 1, .hi = GUIDE_BOUNCES,
       .help = "scattering events with maps of their own" },
     { .key = "coin", .type = OPT_BOOL, .num = 0,
