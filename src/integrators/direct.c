@@ -14,6 +14,7 @@
 #include "integrators/direct.h"
 
 #include "base/mem.h"
+#include "integrators/guide.h"
 #include "integrators/twostage.h"
 #include "lightsampling/visibility.h"
 
@@ -59,11 +60,15 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Beam b = beam_from_eye(r, scene);
     Rgb sum = rgb_all(0.0f);
 
+    if (UNLIKELY(t->guide != NULL))
+        guide_starts(t->guide, &b);
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Turn u;
         Event event = beam_flies(&b, &v.s, &p, t);
+        if (UNLIKELY(t->guide != NULL))
+            guide_flies(t->guide, &b, sum);
         if (event == ESCAPES)
             return rgb_add(sum, beam_shows_beyond(&b, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)
