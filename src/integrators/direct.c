@@ -60,8 +60,6 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Beam b = beam_from_eye(r, scene);
     Rgb sum = rgb_all(0.0f);
 
-    if (UNLIKELY(t->guide != NULL))
-        guide_starts(t->guide, &b);
     for (;;) {
         Vertex v;
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
