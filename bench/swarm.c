@@ -66,7 +66,7 @@ static const Row rows[] = {
     { "lens", "swarm-lens", 32, 3.185, 0.539, "path", "swarm:band=64,direction=0,point=0,light=0",
       "path" },
     { "direction", "swarm-caustic", 32, 2.025, 0.822, "path:maxdepth=4",
-      "swarm:band=64,maxdepth=4,point=0,light=0", "path:maxdepth=4" },
+      "swarm:band=64,maxdepth=4,point=0,light=0,direction=64,share=0.7", "path:maxdepth=4" },
     { "light", "swarm-lights", 6, 0.904, 0.312, "path:lightsampler=uniform",
       "swarm:band=64,lightsampler=uniform,direction=0", "path" },
     { "bifurcation", "swarm-glass", 16, 3.924, 0.920,
@@ -75,8 +75,8 @@ static const Row rows[] = {
       "path:maxdepth=12" },
     { "distance", "swarm-fog", 32, 4.944, 1.481, "path:lightsampler=uniform,maxdepth=1",
       "swarm:band=64,lightsampler=uniform,maxdepth=1", "path:maxdepth=1" },
-    { "point", "swarm-probe", 32, 0.429, 0.166, "path:sky=all", "swarm:band=64,sky=all,direction=0",
-      "path" },
+    { "point", "swarm-probe", 32, 0.429, 0.166, "path:sky=all",
+      "swarm:band=64,sky=all,direction=0,point=64,share=0.75", "path" },
 };
 static const Row large[] = {
     { "fig. 9.11", "hare", 64, 0, 0, "path:maxdepth=10", "swarm:maxdepth=10,light=0",

@@ -11,20 +11,20 @@ enum { MOST = 1024, ROOM = 1200 };
 
 typedef struct { Inverted table; float map[MOST], room[ROOM]; bool line; } Drawn;
 
-/* Masses over eight orders of magnitude, and some that are 0. */
-static void drawn_init(Drawn *d, LearnedShape s, uint64_t seed, float constant)
+/* Roots of masses over eight orders of magnitude, and some that are next to nothing. */
+static void drawn_init(Drawn *d, LearnedShape s, uint64_t seed, float part)
 {
     float worth[MOST] = { 0 };
     Rng r = rng_seed(seed);
 
     for (int i = 0; i < learned_cells(s); i++) {
         float u = rng_unit(&r);
-        worth[i] = u < 0.3f ? 0.0f : m_pow(10.0f, -8.0f * u);
+        worth[i] = u < 0.3f ? 0.0f : m_pow(10.0f, -16.0f * u);
     }
     memset(d->map, 0, sizeof d->map);
-    REQUIRE(learned_merge(d->map, worth, learned_cells(s), constant), "worth");
+    learned_merge(d->map, worth, learned_cells(s), learned_cells(s));
     REQUIRE(inverted_size(s) <= ROOM, "room");
-    inverted_make(&d->table, s, d->map, constant > 0.0f ? 0.7f : 1.0f, d->room);
+    inverted_make(&d->table, s, d->map, part, d->room);
     d->line = s.h == 1;
 }
 
@@ -57,7 +57,7 @@ static void inverted(void)
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
         for (int even = 0; even < 2; even++) {
             Drawn d;
-            drawn_init(&d, shapes[k], k, even ? 1.0f / (float)learned_cells(shapes[k]) : 0.0f);
+            drawn_init(&d, shapes[k], k, even ? 0.7f : 1.0f);
             chi2_expect(&(Chi2){ draw, density, &d, .square = true, .draws = 200000, .seed = k,
                                  .rows = 32, .cols = 64, .halvings = 3 }, "learned");
         }
@@ -72,7 +72,7 @@ static void chosen(void)
     Rng r = rng_seed(5);
     Drawn d;
 
-    drawn_init(&d, s, 3, 0);
+    drawn_init(&d, s, 3, 1);
     for (int i = 0; i < DRAWS; i++) {
         float rest;
         count[inverted_choose(&d.table, rng_unit(&r), &rest)]++;
@@ -86,10 +86,26 @@ static void chosen(void)
     EXPECT(p >= CHI2_P_MIN && fabs(sum - 1) < 1e-6, "p = %g, sum %g", p, sum);
 }
 
-/* One worth of 1 at every place of a grid finer than the cells: what gets to each cell. */
+/* What a cell gets of a worth of 3 in cell (cx, cy): all of it, as one of 3 or 3 x 3; on a sphere,
+ * by the square of its row's sine, if it is no further off than half a cell and one of the
+ * equator's. */
+static double share_of(LearnedShape s, int x, int y, int cx, int cy)
+{
+    int dx = abs(x - cx), dy = abs(y - cy);
+    double sine = sin(acos(-1.0) * (y + 0.5) / s.h);
+
+    if (s.single)
+        return dx || dy ? 0 : 3;
+    if (!s.sphere)
+        return dx <= 1 && dy <= 1 ? 3 : 0;
+    dx = s.w - dx < dx ? s.w - dx : dx;
+    return dy <= 1 && dx * sine <= 1 + 0.5 * sine ? 3 * sine * sine : 0;
+}
+
+/* One worth at every place of a grid finer than the cells: what gets to each cell. */
 static void footprints(void)
 {
-    static const LearnedShape shapes[] = { { 5, 4, false, false }, { 5, 4, true, false },
+    static const LearnedShape shapes[] = { { 5, 4, false, false }, { 16, 12, true, false },
                                            { 6, 1, false, false }, { 6, 1, false, true } };
 
     for (size_t k = 0; k < 4; k++)
@@ -97,58 +113,66 @@ static void footprints(void)
             LearnedShape s = shapes[k];
             V2 place = { ((float)(at % 40) + 0.5f) / 40, ((float)(at / 40) + 0.5f) / 40 };
             int cx = (2 * (at % 40) + 1) * s.w / 80, cy = (2 * (at / 40) + 1) * s.h / 80, wrong = 0;
-            float map[24] = { 0 };
+            float map[16 * 12] = { 0 };
             learned_add(map, s, place, 3);
-            for (int i = 0; i < s.w * s.h; i++) {
-                int dx = abs(i % s.w - cx), dy = abs(i / s.w - cy), far = s.single ? 0 : 1;
-                dx = s.around && s.w - dx < dx ? s.w - dx : dx;
-                wrong += map[i] != (dx <= far && dy <= far ? 3.0f : 0.0f);
-            }
+            for (int i = 0; i < s.w * s.h; i++)
+                wrong += fabs((double)map[i] - share_of(s, i % s.w, i / s.w, cx, cy)) > 1e-6;
             EXPECT(!wrong, "shape %d, place %d: %d cells are wrong", (int)k, at, wrong);
         }
 }
 
-/* Bad worth adds nothing; none at all leaves the map; else halves are mixed, and sums stay 1. */
+/* Bad worth adds nothing; none at all leaves the map; else half of the map stays, and less of one
+ * that was far brighter; and so with what follows the cells. */
 static void merging(void)
 {
     LearnedShape s = { 4, 4, false, false };
-    float map[16], worth[16] = { 0 }, sum = 0;
+    float map[17], worth[17] = { 0 };
 
-    learned_uniform(map, 16);
+    for (int i = 0; i < 17; i++)
+        map[i] = 1;
     learned_add(worth, s, (V2){ 0.5f, 0.5f }, INFINITY);
     learned_add(worth, s, (V2){ 0.5f, 0.5f }, -1.0f);
     learned_add(worth, s, (V2){ 0.5f, 0.5f }, INFINITY - INFINITY);
-    EXPECT(!learned_merge(map, worth, 16, 1.0f / 16) && map[3] == 1.0f / 16, "nothing to learn");
-    worth[5] = 7;
-    EXPECT(learned_merge(map, worth, 16, 1.0f / 16), "something to learn");
+    learned_merge(map, worth, 16, 17);
+    EXPECT(map[3] == 1 && map[16] == 1, "nothing to learn");
+    worth[5] = 8;
+    worth[16] = 3;
+    learned_merge(map, worth, 16, 17);
+    EXPECT(fabsf(map[5] - 8.5f) < 1e-6f && fabsf(map[6] - 0.5f) < 1e-6f && map[16] == 3.5f,
+           "%.9g, %.9g, %.9g", (double)map[5], (double)map[6], (double)map[16]);
     for (int i = 0; i < 16; i++)
-        sum += map[i];
-    EXPECT(fabsf(sum - 1) < 1e-6f && fabsf(map[5] - (0.5f / 16 + 0.25f + 0.25f / 16)) < 1e-6f &&
-           fabsf(map[6] - 0.75f / 16) < 1e-6f, "sum %.9g, cells %.9g, %.9g", (double)sum,
-           (double)map[5], (double)map[6]);
+        map[i] = 100;
+    map[16] = 1;
+    learned_merge(map, worth, 16, 17);          /* 1600, of which ten times 8 count */
+    EXPECT(fabsf(map[5] - 10.5f) < 1e-5f && fabsf(map[6] - 2.5f) < 1e-5f &&
+           fabsf(map[16] - 3.025f) < 1e-6f, "%.9g, %.9g, %.9g", (double)map[5], (double)map[6],
+           (double)map[16]);
 }
 
-/* Errata 9.1: two maps of 4 x 4 with spikes in opposite corners. The mean has half of each spike;
- * tables whose normalized rows were averaged would have 0.309, and leak 0.062 beside it. */
+/* Errata 9.1: two maps of 4 x 4 with spikes in opposite corners. The table of their mean is that of
+ * the means of masses, cell by cell; tables whose normalized rows were averaged would leak. */
 static void means(void)
 {
     LearnedShape s = { 4, 4, false, false };
     float a[16], b[16], mean[16], room[40];
     const float *both[2] = { a, b };
+    double sum = 0;
     Inverted t;
 
     for (int i = 0; i < 16; i++) {
         a[i] = i == 0 ? 0.985f : 0.001f;
         b[i] = i == 15 ? 0.985f : 0.001f;
+        sum += sqrt(0.5 * ((double)a[i] + (double)b[i]));
     }
     learned_mean(mean, both, 2, 16);
     inverted_make(&t, s, mean, 1.0f, room);
-    EXPECT(fabsf(inverted_density(&t, (V2){ 0.1f, 0.1f }) / 16 - 0.493f) < 1e-5f &&
-           fabsf(inverted_density(&t, (V2){ 0.9f, 0.9f }) / 16 - 0.493f) < 1e-5f &&
-           fabsf(inverted_density(&t, (V2){ 0.9f, 0.1f }) / 16 - 0.001f) < 1e-5f,
-           "%g, %g, %g", (double)inverted_density(&t, (V2){ 0.1f, 0.1f }) / 16,
-           (double)inverted_density(&t, (V2){ 0.9f, 0.9f }) / 16,
-           (double)inverted_density(&t, (V2){ 0.9f, 0.1f }) / 16);
+    for (int i = 0; i < 16; i++) {
+        V2 place = { 0.25f * (float)(i % 4) + 0.1f, 0.25f * (float)(i / 4) + 0.1f };
+        double truth = 16 * sqrt(0.5 * ((double)a[i] + (double)b[i])) / sum;
+        EXPECT(fabs((double)inverted_density(&t, place) - truth) < 1e-5 * truth &&
+               fabs((double)inverted_alone(&t, place) - truth) < 1e-5 * truth, "cell %d: %g, %g", i,
+               (double)inverted_density(&t, place), truth);
+    }
 }
 
 const TestCase test_learned[] = {

@@ -109,7 +109,7 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
         int cells = learned_cells(n->plan.shape[m]);
         float *mass = maps + n->plan.at[m];
         for (int i = 0; i < cells && m != GUIDE_BIFURCATION; i++)
-            mass[i] *= rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.1f;
+            mass[i] = rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.01f;
         for (int k = 0; cells && k < GUIDE_LEVELS; k++)
             mass[cells + k] = 1.0f / (float)(1 + k);    /* the more of the map the better */
     }
@@ -264,8 +264,6 @@ static void compare(Lab *l, const char *truth, uint32_t spp, const Way *ways, si
     series_clear(&path);
 }
 
-
-
 static void room(void)
 {
     static const Way ways[] = {
@@ -290,12 +288,14 @@ static void fog(void)
         { "swarm:band=1,maxdepth=3,bounces=2", 0.15 },
         { "swarm:maxdepth=3,direction=0,light=3", 0.15 },
     };
+    static const Way direct = { "swarm:over=direct,maxdepth=3,band=1", 0.15 };
     Lab l;
 
     lab_init(&l);
     add_fog(&l);
     lab_build(&l);
     compare(&l, "path:maxdepth=3", 16, ways, sizeof ways / sizeof *ways);
+    compare(&l, "direct:maxdepth=3", 8, &direct, 1);
     lab_clear(&l);
 }
 
@@ -316,6 +316,21 @@ static void motion(void)
     l.scene = NULL;
     lab_clear(&l);
     scenefile_clear(&f);
+}
+
+/* A lamp far out of focus: of each pixel, a small part of the lens sees it. */
+static void blurred(void)
+{
+    static const Way direct = { "swarm:over=direct,band=1", 0.2 };
+    Lab l;
+
+    lab_init(&l);
+    lab_shine(&l, lab_quad(&l, v3(-0.3f, 0, -0.3f), v3(0.6f, 0, 0), v3(0, 0, 0.6f),
+                           lab_material(&l, "diffuse", "reflectance=0")), "L=20/20/20");
+    lab_camera(&l, v3(0, -4, 0), v3(0, 0, 0), 45, "lensradius=0.5,focaldistance=2");
+    lab_build(&l);
+    compare(&l, "direct", 16, &direct, 1);
+    lab_clear(&l);
 }
 
 /* What a band or a pass begins with does not depend on who did what when. */
@@ -355,41 +370,103 @@ static const struct { const char *name, *options; double delta; } figures[] = {
     { "iguana", "maxdepth=3", 0.2 },
 };
 
-static void subsets_of(size_t k)
-{
-    char path[80], method[300], what[400];
-    ReadLimits limits = READ_LIMITS_DEFAULT;
-    Series truth, s;
-    SceneFile f;
-    Lab l;
+enum { SUBSETS = 1 << GUIDE_KINDS, OTHERS = 8 };
 
-    memset(&l, 0, sizeof l);
-    snprintf(path, sizeof path, "scenes/%s.pbrt", figures[k].name);
-    REQUIRE(scenefile_read(&f, path, &limits), "%s", path);
-    l.scene = f.scene;
-    lab_build(&l);
+/* The subsets that are looked at first: each map alone, each pair, all together, some others. */
+static void choose_first(bool first[SUBSETS])
+{
+    Rng r = rng_seed(9);
+
+    for (unsigned subset = 0; subset < SUBSETS; subset++) {
+        int maps = 0;
+        for (unsigned rest = subset; rest; rest &= rest - 1)
+            maps++;
+        first[subset] = maps == 1 || maps == 2 || maps == GUIDE_KINDS;
+    }
+    for (int i = 0; i < OTHERS; i++)
+        first[1 + rng_below(&r, SUBSETS - 1)] = true;
+}
+
+static void add_runs(Stat *st, const Series *s)
+{
+    for (uint32_t run = 0; run < RUNS; run++) {
+        double mean = 0;
+        for (uint32_t k = 0; k < s->tiles; k++)
+            mean += s->tile[k * RUNS + run] / s->tiles;
+        stat_add_block(st, mean, 1, 0);
+    }
+}
+
+/* Each subset tile by tile; a picture as small has little power as a whole, but those of all
+ * subsets that have a map tell together whether it does what it should. */
+static void subsets_of(Lab *l, size_t k, const bool asked[SUBSETS])
+{
+    enum { NO_POWER = 100 };
+    char method[300], what[400];
+    Stat with[GUIDE_KINDS], all = { 0, 0, 0, 0, 0 };
+    Series truth, s;
+
+    memset(with, 0, sizeof with);
     snprintf(method, sizeof method, "path:%s", figures[k].options);
-    series_render(&l, &truth, method, 16, 64, 1);
-    for (unsigned subset = 1; subset < 1u << GUIDE_KINDS; subset++) {
+    series_render(l, &truth, method, 16, 64, 1);
+    add_runs(&all, &truth);
+    for (unsigned subset = 1; subset < SUBSETS; subset++) {
         int n = snprintf(method, sizeof method, "swarm:%s", figures[k].options);
+        if (!asked[subset])
+            continue;
         for (int map = 0; map < GUIDE_KINDS; map++)
             n += snprintf(method + n, sizeof method - (size_t)n, ",%s=%d", guide_names[map],
                           subset >> map & 1 ? 16 : 0);
         snprintf(what, sizeof what, "%s, %s", figures[k].name, method);
-        series_render(&l, &s, method, 16, 1, 2 + subset);
-        series_expect_same(&s, &truth, figures[k].delta, what);
+        series_render(l, &s, method, 16, 1, 2 + subset);
+        series_expect_same(&s, &truth, NO_POWER, what);
+        for (int map = 0; map < GUIDE_KINDS; map++)
+            if (subset >> map & 1)
+                add_runs(&with[map], &s);
         series_clear(&s);
     }
+    for (int map = 0; map < GUIDE_KINDS; map++) {
+        snprintf(what, sizeof what, "%s, all with %s", figures[k].name, guide_names[map]);
+        stat_expect_same(&with[map], &all, figures[k].delta, what);
+    }
     series_clear(&truth);
-    l.scene = NULL;
-    lab_clear(&l);
-    scenefile_clear(&f);
+}
+
+static void subsets_in_all(const bool asked[SUBSETS])
+{
+    for (size_t k = 0; k < sizeof figures / sizeof *figures; k++) {
+        ReadLimits limits = READ_LIMITS_DEFAULT;
+        char path[80];
+        SceneFile f;
+        Lab l;
+        memset(&l, 0, sizeof l);
+        snprintf(path, sizeof path, "scenes/%s.pbrt", figures[k].name);
+        REQUIRE(scenefile_read(&f, path, &limits), "%s", path);
+        l.scene = f.scene;
+        lab_build(&l);
+        subsets_of(&l, k, asked);
+        l.scene = NULL;
+        lab_clear(&l);
+        scenefile_clear(&f);
+    }
 }
 
 static void subsets(void)
 {
-    for (size_t k = 0; k < sizeof figures / sizeof *figures; k++)
-        subsets_of(k);
+    bool first[SUBSETS];
+
+    choose_first(first);
+    subsets_in_all(first);
+}
+
+static void subsets_others(void)
+{
+    bool others[SUBSETS];
+
+    choose_first(others);
+    for (int i = 0; i < SUBSETS; i++)
+        others[i] = !others[i];
+    subsets_in_all(others);
 }
 
 const TestCase test_swarm[] = {
@@ -400,7 +477,9 @@ const TestCase test_swarm[] = {
     { "room", room, false },
     { "fog", fog, false },
     { "motion", motion, false },
+    { "blurred", blurred, false },
     { "threads", threads, false },
     { "subsets", subsets, true },
+    { "subsets_others", subsets_others, true },
     { NULL, NULL, false }
 };

@@ -14,6 +14,7 @@
 #include "integrators/direct.h"
 
 #include "base/mem.h"
+#include "integrators/guide.h"
 #include "integrators/twostage.h"
 #include "lightsampling/visibility.h"
 
@@ -65,6 +66,8 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
         V3 p = { 0, 0, 0 };                     /* of a scattering in a medium */
         Turn u;
         Event event = beam_flies(&b, &v.s, &p, t);
+        if (UNLIKELY(t->guide != NULL))
+            guide_flies(t->guide, &b, sum);
         if (event == ESCAPES)
             return rgb_add(sum, beam_shows_beyond(&b, t));
         if (event == ARRIVES && v.s.shape->light != NO_LIGHT)

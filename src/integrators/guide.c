@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-#define EVEN_WORLD 1e-6f                /* the constant of world maps, over their cells */
-#define WORTHWHILE 0.8f                 /* second moment with a map over that without */
+#define EVEN_FORK 1e-6f                 /* that no way at a fork is forgotten */
+#define WORTHWHILE 0.8f                 /* second moment with a world map over that without */
 #define HARMLESS 1.0f                   /* the same, of preimage maps, whose cost is bounded */
 #define MOMENT_MOST 1e6f                /* a density over another */
 
@@ -97,17 +97,11 @@ void guide_plan(GuidePlan *p, const Scene *s, const int cells[GUIDE_KINDS], int 
 
 void guide_forget(const GuidePlan *p, float *maps)
 {
-    for (int m = 0; m < GUIDE_MAPS; m++) {
-        float *mass = maps + p->at[m];
-        int n = learned_cells(p->shape[m]);
-        if (m == GUIDE_BIFURCATION)
-            for (int i = 0; i < n; i++)
-                mass[i] = i % FORK_FLOATS < 2 ? 0.5f : 0.0f;
-        else if (n)
-            learned_uniform(mass, n);
-        for (int k = 0; n && k < GUIDE_LEVELS; k++)
-            mass[n + k] = 0.0f;
-    }
+    float *fork = maps + p->at[GUIDE_BIFURCATION];
+
+    memset(maps, 0, (size_t)p->floats * sizeof *maps);
+    for (int i = 0; i < learned_cells(p->shape[GUIDE_BIFURCATION]); i += FORK_FLOATS)
+        fork[i] = fork[i + 1] = 0.5f;
 }
 
 Guide *guide_new(const GuidePlan *p)
@@ -141,11 +135,10 @@ void guide_free(Guide *g)
 
 static V2 warped(Guide *g, int map, V2 u, float *density)
 {
-    const GuidePlan *p = g->plan;
     V2 place = inverted_sample(&g->table[map], u, density);
 
     g->decided[map] = (Decided){ .used = true, .place = place, .own = 1.0f };
-    g->decided[map].map = learned_density(g->maps + p->at[map], p->shape[map], place);
+    g->decided[map].map = inverted_alone(&g->table[map], place);
     return place;
 }
 
@@ -201,22 +194,24 @@ static const SamplerKind guided = {
 
 /* ---- pixel by pixel ---- */
 
-static float share_at(const GuidePlan *p, int map, int level)
+static float share_at(const GuidePlan *p, int level)
 {
-    return (float)level / (GUIDE_LEVELS - 1) * (is_world(map) ? p->share : 1.0f);
+    return p->share * (float)level / (GUIDE_LEVELS - 1);
 }
 
-/* The highest level whose second moment is well below that without the map. Where nothing is known,
- * preimage maps are even, and world maps had better not be asked. */
+/* The level of the least second moment, if that is well below what is without the map. Where
+ * nothing is known, world maps had better not be asked. */
 static int best_level(int map, const float *moment)
 {
-    int k = GUIDE_LEVELS - 1;
+    float least = (is_world(map) ? WORTHWHILE : HARMLESS) * moment[0];
+    int best = 0;
 
-    if (!(moment[0] > 0.0f))
-        return is_world(map) ? 0 : k;
-    while (k > 0 && !(moment[k] < (is_world(map) ? WORTHWHILE : HARMLESS) * moment[0]))
-        k--;
-    return k;
+    for (int k = 1; k < GUIDE_LEVELS; k++)
+        if (moment[k] < least) {
+            least = moment[k];
+            best = k;
+        }
+    return best;
 }
 
 float *guide_maps(Guide *g) { return g->maps; }
@@ -236,17 +231,23 @@ void guide_pixel(Guide *g, Tracer *t, uint32_t x, uint32_t y)
         int n = learned_cells(p->shape[m]);
         if (!n || m == GUIDE_BIFURCATION)
             continue;
-        g->share[m] = share_at(p, m, best_level(m, mass + n));
+        g->share[m] = share_at(p, best_level(m, mass + n));
         inverted_make(&g->table[m], p->shape[m], mass, is_world(m) ? 1.0f : g->share[m],
                       g->room + p->room[m]);
     }
 }
 
+/* Masses of the two ways are means of values, as [Cline07] has them, and sum to 1. */
 static void merge_forks(float *map, const float *worth, int n)
 {
-    for (int i = 0; i < n; i += FORK_FLOATS)
-        if (learned_merge(map + i, worth + i, 2, EVEN_WORLD))
-            map[i + 2] = 0.5f * (map[i + 2] + 1.0f);
+    for (int i = 0; i < n; i += FORK_FLOATS) {
+        float sum = worth[i] + worth[i + 1];
+        if (!(sum > 0.0f) || !is_finite(sum))
+            continue;
+        for (int k = i; k < i + 2; k++)
+            map[k] = 0.5f * (map[k] + (worth[k] / sum + 0.5f * EVEN_FORK) / (1.0f + EVEN_FORK));
+        map[i + 2] = 0.5f * (map[i + 2] + 1.0f);
+    }
 }
 
 void guide_learns(Guide *g, Tracer *t)
@@ -259,12 +260,10 @@ void guide_learns(Guide *g, Tracer *t)
         float *mass = g->maps + p->at[m];
         const float *worth = g->worth + p->at[m];
         int n = learned_cells(p->shape[m]);
-        float constant = is_world(m) ? EVEN_WORLD / (float)n : 1.0f / (float)n;
         if (m == GUIDE_BIFURCATION)
             merge_forks(mass, worth, n);
-        else if (n && learned_merge(mass, worth, n, constant))
-            for (int k = 0; k < GUIDE_LEVELS; k++)
-                mass[n + k] = 0.5f * (mass[n + k] + worth[n + k]);
+        else if (n)
+            learned_merge(mass, worth, n, n + GUIDE_LEVELS);
     }
 }
 
@@ -331,9 +330,9 @@ static void learn(Guide *g, int m, const Decided *d, float value)
 
     if (!(value > 0.0f) || !(value < 1e15f))
         return;
-    learned_add(worth, p->shape[m], d->place, value);
+    learned_add(worth, p->shape[m], d->place, value * value * now);
     for (int k = 0; k < GUIDE_LEVELS; k++) {
-        float x = share_at(p, m, k), at = x * d->map + (1.0f - x) * d->own;
+        float x = share_at(p, k), at = x * d->map + (1.0f - x) * d->own;
         moment[k] += value * value * f_min(now / f_max(at, 1e-30f), MOMENT_MOST);
     }
 }

@@ -17,13 +17,12 @@
  *             after, time and lens from the whole.
  * Truth       A map may change between pixels only: then all densities of a pixel's samples are
  *             fixed before the first is drawn, and each is unbiased. Preimage maps are above 0
- *             everywhere, by the constant of learned.h. World maps may be 0 where they like, as the
- *             other share goes everywhere.
+ *             everywhere, as a part of their density is even. World maps may be 0 where they like,
+ *             as the other share goes everywhere.
  * Levels      A map is used as far as it is of use: besides it, pixels learn the second moment that
- *             their samples would have had without the map, with half of its part (share; of
- *             preimage maps: the whole), and with all of it. The most that is below the first, of
- *             world maps well below, is taken; if none is, the map is left alone: it would cost
- *             more in strata than it brings.
+ *             their samples would have had without the map and with more and more of it, up to its
+ *             share. The least is taken, if it is below the first, of world maps well below; else
+ *             the map is left alone: it would cost more in strata than it brings.
  *             A bifurcation is trusted the more, the more has been learned of it.
  * Weights     Points on lights: the heuristic wants the number that would have given a direction
  *             that the surface chose [errata 9.4]. Pictures of the sky know it. With other lights
@@ -47,7 +46,7 @@ extern const char *const guide_names[GUIDE_KINDS];
 
 enum { GUIDE_BOUNCES = 4, GUIDE_BOUNCE_MAPS = GUIDE_KINDS - GUIDE_DISTANCE };
 enum { GUIDE_MAPS = GUIDE_DISTANCE + GUIDE_BOUNCES * GUIDE_BOUNCE_MAPS };
-enum { GUIDE_LEVELS = 3 };      /* how much of a map is used: nothing, half of its part, all */
+enum { GUIDE_LEVELS = 6 };      /* how much of a map is used: from nothing to its share */
 enum { FORK_FLOATS = 3 };       /* of bifurcations: masses of reflecting and refracting, trust */
 
 /* The number of a map in a pixel's. */
@@ -63,7 +62,7 @@ typedef struct {
     int   room[GUIDE_MAPS];     /* of its inverted table in a guide's */
     int   floats, rooms;        /* of a pixel; of all tables */
     int   bounces;
-    float share;                /* of world maps that are trusted: alpha of (9.2) */
+    float share;                /* of maps that are trusted: alpha of (9.2) */
     bool  coin;                 /* reflecting and refracting are even without a map */
     const Scene *scene;         /* borrowed */
 } GuidePlan;
@@ -109,9 +108,9 @@ float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi);
 /* For the sample of a light that was asked for: into *pdf as well; else into what it brings. */
 void  guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf);
 
-/* Light l was met along wi, by a direction of the vertex: its map of points would have wanted that
- * too, where the light knows the number. */
-void  guide_met(Guide *g, const Light *l, bool beside, V3 wi, Rgb light);
+/* Light l was met along wi, by a direction of the vertex, whose density is so many times the
+ * light's own: its map of points would have wanted that too, where the light knows the number. */
+void  guide_met(Guide *g, const Light *l, bool beside, V3 wi, float density, Rgb light);
 
 /* As vertex_sample, for the beam's next event; tells b of its part in the density. */
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s);

@@ -102,11 +102,12 @@ void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, f
         s->L = rgb_scale(s->L, 1.0f / g->point_density);
 }
 
-void guide_met(Guide *g, const Light *l, bool beside, V3 wi, Rgb light)
+void guide_met(Guide *g, const Light *l, bool beside, V3 wi, float density, Rgb light)
 {
     int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    float value = rgb_lum(light);
     V2 u;
 
     if (map >= 0 && guide_has(g, map) && l->kind->numbers && l->kind->numbers(l, beside, wi, &u))
-        learned_add(g->worth + g->plan->at[map], g->plan->shape[map], u, rgb_lum(light));
+        learned_add(g->worth + g->plan->at[map], g->plan->shape[map], u, value * value * density);
 }

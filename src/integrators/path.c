@@ -84,7 +84,8 @@ static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Su
     c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit, t));
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
     if (UNLIKELY(t->guide != NULL))
-        guide_met(t->guide, l, it->lighting.beside, e->beam.ray.d, c);
+        guide_met(t->guide, l, it->lighting.beside, e->beam.ray.d,
+                  e->pdf_w / light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit), c);
     return c;
 }
 

@@ -17,9 +17,13 @@
  *             gets to all sides, also upwards, which [Cline07 9.4] misses. A pass is unbiased by
  *             itself, whatever the one before has found; so is their mean by count of samples,
  *             which the film makes, and early passes, the noisy ones, are the shortest.
- * Departs     Maps are kept as they are, not inverted: see learned.h. A pixel whose samples were
- *             all black passes its maps on as they came. Maps are used where they are of
- *             use: see guide.h.
+ * Departs     Maps are kept as they are, not inverted, and are of squares, not of means, nor are
+ *             they normalised: see learned.h. A pixel whose samples were all black passes its maps
+ *             on as they came. Maps are used where they are of use: see guide.h; the even part of
+ *             preimage maps is what that leaves, at the default share no less than the constant
+ *             1/n makes it.
+ * Direct      With over=direct the maps of time, lens and distance guide direct light alone: those
+ *             that are wrappers over the sampler's decisions before the first vertex.
  * Windows     The pixels of a window are not those of the whole picture: they have had other
  *             neighbours. */
 #include "base/mem.h"
@@ -28,11 +32,11 @@
 
 #include <string.h>
 
-extern const IntegratorKind integrator_path;
+extern const IntegratorKind integrator_path, integrator_direct;
 
 typedef struct {
     Integrator base;
-    Integrator *path;           /* owned */
+    Integrator *over;           /* owned: whose decisions are guided */
     Bands bands;                /* owned */
     uint32_t passes;
 } Swarm;
@@ -82,7 +86,7 @@ static bool load(Integrator *base, Loading *l) { return bands_load(&((Swarm *)ba
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Swarm *it = (const Swarm *)base;
-    Rgb L = integrator_path.radiance(it->path, r, t);
+    Rgb L = it->over->kind->radiance(it->over, r, t);
 
     if (t->guide)
         guide_ends(t->guide, L);
@@ -93,23 +97,44 @@ static void close_swarm(Integrator *base)
 {
     Swarm *it = (Swarm *)base;
 
-    if (it->path)
-        integrator_path.close(it->path);
+    if (it->over)
+        it->over->kind->close(it->over);
     bands_clear(&it->bands);
     mem_free(it);
 }
 
-/* What both tables have. */
-static Integrator *open_path(const Scene *s, const Opts *o)
+/* With what both tables have. NULL: reported. */
+static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opts *o)
 {
+    Integrator *other;
     Opts p;
 
-    opts_default(&p, integrator_path.info.options);
+    opts_default(&p, k->info.options);
     for (int i = 0; p.defs[i].key; i++)
-        for (int k = 0; o->defs[k].key; k++)
-            if (!strcmp(p.defs[i].key, o->defs[k].key))
-                p.value[i] = o->value[k];
-    return integrator_path.open(s, &p);
+        for (int j = 0; o->defs[j].key; j++)
+            if (!strcmp(p.defs[i].key, o->defs[j].key))
+                p.value[i] = o->value[j];
+    other = k->open(s, &p);
+    if (other)
+        other->kind = k;
+    return other;
+}
+
+static Integrator *open_over(const Scene *s, const Opts *o)
+{
+    if (opt_is(o, "over", "path"))
+        return open_other(&integrator_path, s, o);
+    if (!opt_is(o, "strategy", "mis")) {
+        err_usage("swarm: over=direct has no strategy=%s", opt_string(o, "strategy"));
+        return NULL;
+    }
+    return open_other(&integrator_direct, s, o);
+}
+
+/* Whether the map's decisions are made by whoever follows rays, and not by path.c's vertices. */
+static bool asks_before_vertices(int kind)
+{
+    return kind == GUIDE_TIME || kind == GUIDE_LENS || kind == GUIDE_DISTANCE;
 }
 
 static Integrator *open_swarm(const Scene *s, const Opts *o)
@@ -123,11 +148,12 @@ static Integrator *open_swarm(const Scene *s, const Opts *o)
     it->bands.rows = (uint32_t)opt_int(o, "band");
     it->passes = (uint32_t)opt_int(o, "passes");
     for (int k = 0; k < GUIDE_KINDS; k++)
-        cells[k] = (int)opt_int(o, guide_names[k]);
+        cells[k] = opt_is(o, "over", "path") || asks_before_vertices(k)
+                       ? (int)opt_int(o, guide_names[k]) : 0;
     guide_plan(&it->bands.plan, s, cells, (int)opt_int(o, "bounces"), opt_float(o, "share"),
                opt_bool(o, "coin"));
-    it->path = open_path(s, o);
-    if (it->path)
+    it->over = open_over(s, o);
+    if (it->over)
         return &it->base;
     close_swarm(&it->base);
     return NULL;
@@ -137,6 +163,9 @@ static Integrator *open_swarm(const Scene *s, const Opts *o)
     { .key = name, .type = OPT_INT, .num = n, .lo = 0, .hi = most, .help = what }
 
 static const OptDef options[] = {
+    { .key = "over", .type = OPT_CHOICE, .str = "path", .choices = "path direct",
+      .help = "whose decisions are guided; direct: those of time, lens and distance, and what it "
+              "misses is missed" },
     MAP("time", 64, 256, "map of moments of the shutter: cells; 0, here and below: none"),
     MAP("lens", 32, 128, "map of the lens: cells each way"),
     MAP("distance", 64, 256, "map of how far light gets in a medium: cells"),
@@ -146,7 +175,7 @@ static const OptDef options[] = {
     MAP("direction", 32, 128, "map of scattered directions, by latitude and longitude: cells each "
         "way"),
     { .key = "share", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 0.95,
-      .help = "of decisions about lights, directions and bifurcations, made by maps" },
+      .help = "of decisions, made by maps" },
     { .key = "bounces", .type = OPT_INT, .num = 1, .lo = 1, .hi = GUIDE_BOUNCES,
       .help = "scattering events with maps of their own" },
     { .key = "coin", .type = OPT_BOOL, .num = 0,

@@ -1,8 +1,16 @@
 /* learned.c -- the code of `learned.h` */
 #include "sampling/learned.h"
 
+#include "base/maths.h"
+
 #include <stdint.h>
 #include <string.h>
+
+/* What a pixel keeps of the maps that it has from its neighbours: so it goes by the last few. Where
+ * these were far brighter it keeps less, or would go by them for as many pixels as that takes. */
+#define KEEP 0.5f
+#define MOST_BEFORE 10.0
+#define LITTLE 1e-12                    /* of the whole: what is forgotten comes to no denormals */
 
 /* Cell of n that holds x. */
 static int cell_of(float x, int n)
@@ -11,36 +19,42 @@ static int cell_of(float x, int n)
     return k < 0 ? 0 : k < n ? k : n - 1;
 }
 
-static void add_to_row(float *row, LearnedShape s, int x, float value)
+/* To `reach` cells on either side; beyond the ends there are none. */
+static void add_to_row(float *row, int w, int x, int reach, float value)
 {
-    int left = x - 1, right = x + 1;
+    int first = x > reach ? x - reach : 0, last = x + reach < w ? x + reach : w - 1;
 
-    row[x] += value;
-    if (s.single)
-        return;
-    if (s.around) {
-        left = left < 0 ? s.w - 1 : left;
-        right = right < s.w ? right : 0;
-    }
-    if (left >= 0)
-        row[left] += value;
-    if (right < s.w)
-        row[right] += value;
+    for (int i = first; i <= last; i++)
+        row[i] += value;
 }
 
-void learned_add(float *worth, LearnedShape s, V2 place, float value)
+/* To so many columns on either side of x that the angle is that of one at the equator, round the
+ * ring. Densities over places are those over directions, times the sine; here squared. */
+static void add_to_ring(float *row, LearnedShape s, int x, int y, float value)
+{
+    float sine, cosine;
+    int reach, n, at;
+
+    m_sincos_turn(0.5f * ((float)y + 0.5f) / (float)s.h, &sine, &cosine);
+    reach = (int)(1.0f / sine + 0.5f);
+    n = 2 * reach + 1 < s.w ? 2 * reach + 1 : s.w;
+    at = (x + s.w - (n < s.w ? reach : 0)) % s.w;
+    for (; n > 0; n--, at = at + 1 < s.w ? at + 1 : 0)
+        row[at] += value * sine * sine;
+}
+
+void learned_add(float *worth, LearnedShape s, V2 place, float square)
 {
     int x = cell_of(place.x, s.w), y = cell_of(place.y, s.h);
 
-    if (!(value > 0.0f) || !is_finite(value))
+    if (!(square > 0.0f) || !is_finite(square))
         return;
-    for (int k = y > 0 ? y - 1 : 0; k <= y + 1 && k < s.h; k++)
-        add_to_row(worth + k * s.w, s, x, value);
-}
-
-float learned_density(const float *map, LearnedShape s, V2 place)
-{
-    return map[cell_of(place.y, s.h) * s.w + cell_of(place.x, s.w)] * (float)learned_cells(s);
+    for (int k = y > 0 ? y - 1 : 0; k <= y + 1 && k < s.h; k++) {
+        if (s.sphere)
+            add_to_ring(worth + k * s.w, s, x, k, square);
+        else
+            add_to_row(worth + k * s.w, s.w, x, s.single ? 0 : 1, square);
+    }
 }
 
 /* In eight sums side by side, so that compilers may keep them in lanes: the same everywhere. */
@@ -60,26 +74,20 @@ static double sum_of(const float *a, int n)
     return sum;
 }
 
-bool learned_merge(float *map, const float *worth, int cells, float constant)
+void learned_merge(float *map, const float *worth, int cells, int n)
 {
-    double sum = sum_of(worth, cells), all = 1.0 + (double)constant * cells;
-    float scale, even;
+    double sum = sum_of(worth, cells), before = sum_of(map, cells);
+    float keep = KEEP, little;
 
     if (!(sum > 0.0) || !(sum < 1e38))
-        return false;
-    scale = (float)(0.5 / (sum * all));
-    even = (float)(0.5 * constant / all);
-    if (!is_finite(scale))
-        return false;
+        return;
+    if (before > MOST_BEFORE * sum)
+        keep *= (float)(MOST_BEFORE * sum / before);
+    little = (float)(LITTLE * sum / cells);
     for (int i = 0; i < cells; i++)
-        map[i] = 0.5f * map[i] + (scale * worth[i] + even);
-    return true;
-}
-
-void learned_uniform(float *map, int cells)
-{
-    for (int i = 0; i < cells; i++)
-        map[i] = 1.0f / (float)cells;
+        map[i] = keep * map[i] + (worth[i] + little);
+    for (int i = cells; i < n; i++)
+        map[i] = keep * map[i] + worth[i];
 }
 
 void learned_sum(float *sum, const float *a, int cells)
@@ -101,26 +109,40 @@ void learned_mean(float *mean, const float *const *of, int n, int cells)
 
 /* ---- inverted ---- */
 
-static void running_sums(float *sum, const float *mass, int n, float part, float even)
+/* The roots of the masses, each where the running sum up to it will be. Their sum. */
+static double take_roots(float *sum, const float *mass, int n)
+{
+    for (int i = 0; i < n; i++)
+        sum[i + 1] = sqrtf(mass[i]);
+    return sum_of(sum + 1, n);
+}
+
+static void running_sums(float *sum, int n, float part, float even)
 {
     float x = 0.0f;
 
     sum[0] = 0.0f;
-    for (int i = 0; i < n; i++)
-        sum[i + 1] = x += part * mass[i] + even;
+    for (int i = 1; i <= n; i++)
+        sum[i] = x += part * sum[i] + even;
 }
 
-void inverted_make(Inverted *t, LearnedShape s, const float *map, float part, float *room)
+void inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, float *room)
 {
-    float even = (1.0f - part) / (float)learned_cells(s);
+    double all = 0.0;
+    float even;
 
     t->shape = s;
+    t->mass = mass;
     t->row = room;
     t->cell = room + s.h + 1;
+    for (int y = 0; y < s.h; y++)
+        all += take_roots(t->cell + y * (s.w + 1), mass + y * s.w, s.w);
+    t->alone = all > 0.0 ? (float)(learned_cells(s) / all) : 0.0f;
+    even = (all > 0.0 ? 1.0f - part : 1.0f) / (float)learned_cells(s);
     t->row[0] = 0.0f;
     for (int y = 0; y < s.h; y++) {
         float *sum = t->cell + y * (s.w + 1);
-        running_sums(sum, map + y * s.w, s.w, part, even);
+        running_sums(sum, s.w, part * t->alone / (float)learned_cells(s), even);
         t->row[y + 1] = t->row[y] + sum[s.w];
     }
 }
@@ -191,6 +213,13 @@ V2 inverted_sample(const Inverted *t, V2 u, float *density)
 float inverted_density(const Inverted *t, V2 place)
 {
     return density_of(t, cell_of(place.x, t->shape.w), cell_of(place.y, t->shape.h));
+}
+
+float inverted_alone(const Inverted *t, V2 place)
+{
+    LearnedShape s = t->shape;
+    float mass = t->mass[cell_of(place.y, s.h) * s.w + cell_of(place.x, s.w)];
+    return t->alone > 0.0f ? sqrtf(mass) * t->alone : 1.0f;
 }
 
 int inverted_choose(const Inverted *t, float u, float *rest)
