@@ -29,6 +29,10 @@ bool film_accepts_splats(Film *f);
  * finite or too large is refused and counted. */
 void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c);
 
+/* There will be a splat around that place: fetches the sums of its pixel, which are hardly ever at
+ * hand. */
+void film_awaits_splat(const Film *f, V2 place);
+
 /* So many shots more. By one thread at a time, while none splats. */
 void film_shots(Film *f, uint64_t n);
 

@@ -142,6 +142,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
         t->only = &only;
     }
     l->place = place_of(it, t, &l->area);
+    film_awaits_splat(t->canvas->film, l->place);
     r = eye_ray(it->chains.base.scene, l->place, t);
     if (it->tallies)
         memset(&tally, 0, sizeof tally);
