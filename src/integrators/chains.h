@@ -62,8 +62,8 @@ typedef struct {
     /* Splats the light of the present state, times weight. */
     void (*show)(Chains *cs, Chain *c, float weight, Tracer *t);
     /* The present state, into a file and back. False: it does not fit. */
-    void (*save)(const Chain *c, Saving *s);
-    bool (*load)(Chain *c, Loading *l);
+    void (*save)(const Chains *cs, const Chain *c, Saving *s);
+    bool (*load)(const Chains *cs, Chain *c, Loading *l);
 } ChainKind;
 
 /* An integrator of chains: the first member of every concrete one. */

@@ -212,11 +212,12 @@ static void walk_show(Chains *cs, Chain *c, float weight, Tracer *t)
 }
 
 /* Numbers and light of the present sample; proposals are made anew. */
-static void walk_save(const Chain *c, Saving *s)
+static void walk_save(const Chains *cs, const Chain *c, Saving *s)
 {
     const Walk *w = (const Walk *)c;
     const SplatList *l = &w->light[w->primary.now];
 
+    (void)cs;
     primary_save(&w->primary, s);
     save_u64(s, l->n);
     save_float(s, l->place.x);
@@ -231,12 +232,13 @@ static void walk_save(const Chain *c, Saving *s)
     }
 }
 
-static bool walk_load(Chain *c, Loading *from)
+static bool walk_load(const Chains *cs, Chain *c, Loading *from)
 {
     Walk *w = (Walk *)c;
     SplatList *l = &w->light[w->primary.now];
     uint64_t n;
 
+    (void)cs;
     if (!primary_load(&w->primary, from))
         return false;
     n = load_u64(from);
@@ -392,7 +394,7 @@ static const OptDef options[] = {
     CHAINS_OPTIONS,
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
       .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
+    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a path may end by chance" },
     { .key = NULL }
 };
