@@ -40,6 +40,8 @@ void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchel
 void bench_moves_speed(void);   /* mutations a CPU-second */
 void bench_moves_error(void);   /* chains of paths against the peers */
 void bench_moves_figures(void); /* figures 7.29, 8.10, 8.11, 8.13 to 8.15 of the document */
+void bench_moves_strata(void);  /* figure 8.12: how even few samples are */
+void bench_moves_curves(void);  /* figure 8.15: error over time, as text and SVG */
 void bench_swarm(void);         /* table 9.2 of [Cline07]: learned maps, and what they cost */
 void bench_view(void);          /* how soon the viewer answers to a hand */
 void bench_samplers(void);      /* which sampler wins, scene by scene */

@@ -7,6 +7,8 @@
  *           references.
  * Printed   is what the document says of its picture, in words: it has no numbers. */
 #include "bench/bench.h"
+#include "bench/report.h"
+#include "render/plot.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -146,6 +148,146 @@ void bench_moves_error(void)
     contest(&s2, deltas);
 }
 
+/* ---- convergence: figure 8.15 ---- */
+
+enum { TIMES = 4, METHODS = 5 };
+static const double times[TIMES] = { 0.5, 1, 2, 4 };
+static const char *const methods[METHODS] = {
+    "path", "mlt", "erpt", "erpt:even=box,repeats=20", "erpt:even=median,repeats=20"
+};
+
+typedef struct { double seconds[METHODS][TIMES], error[METHODS][TIMES]; } Curves;
+
+static void one_curve(const Contest *c, int m, const Image *r, const Image *q, Curves *to)
+{
+    for (int k = 0; k < TIMES; k++) {
+        RenderReport report;
+        Image im = { 0 };
+        if (run_for(c, methods[m], times[k], 7, &im, &report)) {
+            to->seconds[m][k] = report.cpu_seconds;
+            to->error[m][k] = paired_relmse(&im, r, q);
+            printf("\t%.2f s %.5f", report.cpu_seconds, to->error[m][k]);
+            fflush(stdout);
+        }
+        image_clear(&im);
+    }
+}
+
+static void plot_curves(const Curves *of, const char *scene, const char *file)
+{
+    PlotCurve curve[METHODS];
+    PlotPanel panel = { "CPU-seconds", "relMSE", curve, METHODS, -1, "1 / t" };
+
+    for (int m = 0; m < METHODS; m++)
+        curve[m] = (PlotCurve){ methods[m], NULL, of->seconds[m], of->error[m], TIMES };
+    if (plot_write(file, scene, &panel, 1))
+        report_picture(file);
+}
+
+static void curves(const Contest *c, const char *file)
+{
+    Image r = { 0 }, q = { 0 };
+    RenderReport report;
+    Curves of;
+
+    memset(&of, 0, sizeof of);
+    if (run_for(c, c->truth, c->truth_seconds, 101, &r, &report) &&
+        run_for(c, c->truth, c->truth_seconds, 102, &q, &report)) {
+        for (int m = 0; m < METHODS; m++) {
+            printf("curves\t%s\t%s", c->scene, methods[m]);
+            one_curve(c, m, &r, &q, &of);
+            printf("\n");
+        }
+        plot_curves(&of, c->scene, file);
+    }
+    image_clear(&r);
+    image_clear(&q);
+}
+
+void bench_moves_curves(void)
+{
+    static const Contest ball = { "scenes/three-spheres.pbrt", 96, 64, { 0 }, "bdpt", 10, 0 },
+                         gallery = { "scenes/gallery.pbrt", 96, 64, { 0 }, "bdpt", 10, 0 },
+                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "pssmlt", 10, 0 };
+
+    curves(&ball, "curves-ball.svg");
+    curves(&gallery, "curves-gallery.svg");
+    curves(&weight, "curves-paperweight.svg");
+}
+
+/* ---- stratification: figure 8.12 ---- */
+
+/* A yellow dragon on a red plane, both lit by the board above alone, which the lamp under a shade
+ * shines at: all light is indirect. */
+static const char dragon[] =
+    "Scale -1 1 1\nLookAt 0 -4.2 1.6  0 0 0.75  0 0 1\n"
+    "Camera \"perspective\" \"float fov\" 36\n"
+    "Film \"rgb\" \"integer xresolution\" 192 \"integer yresolution\" 128\n"
+    "WorldBegin\n"
+    "LightSource \"spot\" \"point3 from\" [ -2.2 -0.5 2.2 ] \"point3 to\" [ -1 0 6 ]"
+    " \"float coneangle\" 30 \"rgb I\" [ 900 900 900 ]\n"
+    "Material \"diffuse\" \"rgb reflectance\" [ 0.8 0.8 0.8 ]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -4 -3 6  4 -3 6  -4 3 6  4 3 6 ]\n"
+    "Material \"diffuse\" \"rgb reflectance\" [ 0.7 0.1 0.08 ]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -9 -9 0  9 -9 0  -9 9 0  9 9 0 ]\n"
+    "Material \"diffuse\" \"rgb reflectance\" [ 0.75 0.65 0.1 ]\n"
+    "Scale 1.2 1.2 1.2\n"
+    "Shape \"generated\" \"string kind\" \"dragon\" \"integer triangles\" 20000\n";
+
+static bool dragon_by(const char *method, uint32_t spp, uint64_t seed, Image *im)
+{
+    RenderRequest q;
+    RenderReport r;
+
+    memset(&q, 0, sizeof q);
+    q.integrator = method;
+    q.spp = spp;
+    q.seed = seed;
+    q.threads = processors();
+    return bench_text_picture("dragon", dragon, &q, im, &r);
+}
+
+enum { BLOCK = 8 };
+
+/* Each square of so many pixels becomes its mean: *to is smaller. */
+static bool means_of_blocks(const Image *im, Image *to)
+{
+    if (!image_init(to, im->w / BLOCK, im->h / BLOCK))
+        return false;
+    for (size_t i = 0; i < (size_t)to->w * to->h * BLOCK * BLOCK; i++) {
+        size_t y = i / (to->w * BLOCK), x = i % (to->w * BLOCK);
+        Rgb *sum = &to->pixels[y / BLOCK * to->w + x / BLOCK];
+        *sum = rgb_add(*sum, rgb_scale(im->pixels[y * im->w + x], 1.0f / (BLOCK * BLOCK)));
+    }
+    return true;
+}
+
+static void uneven(const char *method, const Image *ref, const Image *even, const char *says)
+{
+    Image im = { 0 }, blocks = { 0 };
+
+    if (dragon_by(method, 1, 7, &im) && means_of_blocks(&im, &blocks))
+        printf("strata\tdragon\t%s\trelMSE of pixels %.4f\tof means of %d x %d %.5f\t%s\n",
+               method, paired_relmse(&im, ref, ref), BLOCK, BLOCK,
+               paired_relmse(&blocks, even, even), says);
+    fflush(stdout);
+    image_clear(&im);
+    image_clear(&blocks);
+}
+
+void bench_moves_strata(void)
+{
+    Image ref = { 0 }, even = { 0 };
+
+    if (dragon_by("path", 4096, 101, &ref) && means_of_blocks(&ref, &even)) {
+        uneven("mlt:mutations=2", &ref, &even, "8.12 middle: \"more bright artifacts\"");
+        uneven("erpt:mutations=1", &ref, &even, "8.12 right: \"more faithfully\"");
+        uneven("path", &ref, &even, "");
+    }
+    image_clear(&ref);
+    image_clear(&even);
+}
+
 /* ---- the document's figures ---- */
 
 void bench_moves_figures(void)
@@ -154,7 +296,7 @@ void bench_moves_figures(void)
                                   3 },
                          ball = { "scenes/three-spheres.pbrt", 96, 64, { 0 }, "bdpt", 20, 3 },
                          gallery = { "scenes/gallery.pbrt", 96, 64, { 0 }, "bdpt", 20, 3 },
-                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "bdpt", 20, 3 };
+                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "pssmlt", 20, 3 };
     static const Row zoomed[] = {
         { "bdpt", "7.29 below, left: noise" },
         { "mlt:direct=no", "7.29 below, right: \"a much smoother result\"" }, { NULL, NULL }

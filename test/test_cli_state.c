@@ -184,6 +184,8 @@ static void killed(void)
     cli_scene();
     killed_often("path", 3, 64);
     killed_often("sppm:photons=500", 3, 16);
+    killed_often("mlt:chains=20,bootstrap=200", 2, 16);
+    killed_often("erpt:even=box", 2, 4);
 }
 
 /* Methods that have little in common. */

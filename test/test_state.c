@@ -126,6 +126,7 @@ static const char *quick(const char *name)
          : !strcmp(name, "irradiancecache") ? "irradiancecache:rays=64"
          : !strcmp(name, "pssmlt") ? "pssmlt:chains=40,bootstrap=80"
          : !strcmp(name, "swarm") ? "swarm:band=1,point=8,lens=8,direction=8"
+         : !strcmp(name, "mlt") ? "mlt:chains=40,bootstrap=80,mutations=2"
          : !strcmp(name, "instantradiosity") ? "instantradiosity:lights=16" : name;
 }
 
@@ -136,6 +137,8 @@ static void methods(void)
         "direct:strategy=light,lights=ward,occlusion=points",
         "direct:strategy=cut", "irradiancecache:overture=false,rays=64",
         "pssmlt:direct=false,over=path,chains=3",
+        "pssmlt:plain=true,chains=3,bootstrap=99", "mlt:direct=false,chains=3,newpath=0.1",
+        "erpt:even=median,repeats=3,length=10",
         "sppm:photons=5000",
         "sppm:glossy=follow,k=8", "ppm:samples=2", "path@halton", "light@stratified",
         "photonmap:view=direct,strategy=triple,photons=2000,caustics=500,gather=2",

@@ -102,6 +102,13 @@ void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c)
         }
 }
 
+void film_awaits_splat(const Film *f, V2 place)
+{
+    if (place.x >= (float)f->x0 && place.x < (float)f->x1 && place.y >= (float)f->y0 &&
+        place.y < (float)f->y1)
+        PREFETCH(f->splats->sums + 3 * film_pixel(f, (uint32_t)place.x, (uint32_t)place.y));
+}
+
 void film_multiply_splats(Film *f, float *gain)
 {
     mem_free(f->splats->gain);

@@ -27,13 +27,11 @@ bool film_accepts_splats(Film *f);
 /* Adds c to the layers whose bits are set, around a place in pixels from the top left of the whole
  * picture; what falls outside the window is nothing. Any number of threads at once. What is not
  * finite or too large is refused and counted. */
-/* For the cache: a splat may come there. */
-INLINE void film_expects(const Film *f, V2 place)
-{
-    if (f->splats && place.x >= f->x0 && place.x < f->x1 && place.y >= f->y0 && place.y < f->y1)
-        PREFETCH(f->splats->sums + film_pixel(f, (uint32_t)place.x, (uint32_t)place.y) * 3);
-}
 void film_splat(Film *f, const Filter *filter, V2 place, uint32_t layers, Rgb c);
+
+/* There will be a splat around that place: fetches the sums of its pixel, which are hardly ever at
+ * hand. */
+void film_awaits_splat(const Film *f, V2 place);
 
 /* So many shots more. By one thread at a time, while none splats. */
 void film_shots(Film *f, uint64_t n);

@@ -193,7 +193,7 @@ void chains_save(const Integrator *it, Saving *s)
         save_double(s, c->weight);
         save_double(s, c->found);
         save_u64(s, c->tries);
-        cs->kind.save(c, s);
+        cs->kind.save(cs, c, s);
     }
 }
 
@@ -220,7 +220,7 @@ bool chains_load(Integrator *it, Loading *l)
         c->weight = load_double(l);
         c->found = load_double(l);
         c->tries = load_u64(l);
-        ok = cs->kind.load(c, l);
+        ok = cs->kind.load(cs, c, l);
     }
     return ok && !l->beyond;
 }

@@ -22,7 +22,9 @@
  *                 (b / c) / (I/c + p)   a visit,        1 / (I/c + p)   a large proposal,
  *             and the sum has the right expectation whatever c is, for it is in the weights alone;
  *             c = b makes them those of [Kelemen02]. Without large steps p = 0 and a visit counts
- *             b / I.
+ *             b / I. Samples that chains do not know of may be taken beside them, as many as the
+ *             method likes: they are as good as large proposals, and p is larger by their number
+ *             for each step.
  * b           Large steps are independent samples: their brightness goes on to refine b from pass
  *             to pass; c stays. What a pass adds is worked out with the b that came before it. That
  *             is why methods of chains are consistent: b and the visits of later passes depend on
@@ -62,8 +64,8 @@ typedef struct {
     /* Splats the light of the present state, times weight. */
     void (*show)(Chains *cs, Chain *c, float weight, Tracer *t);
     /* The present state, into a file and back. False: it does not fit. */
-    void (*save)(const Chain *c, Saving *s);
-    bool (*load)(Chain *c, Loading *l);
+    void (*save)(const Chains *cs, const Chain *c, Saving *s);
+    bool (*load)(const Chains *cs, Chain *c, Loading *l);
 } ChainKind;
 
 /* An integrator of chains: the first member of every concrete one. */
@@ -79,6 +81,7 @@ struct Chains {
     double   found;             /* brightness of independent samples so far, and */
     uint64_t tries;             /* their number: b is the quotient */
     double   b, c;              /* of this pass; c > 0 */
+    double   plain;             /* samples from elsewhere, beside each step: see Large steps */
     uint64_t pixels;            /* of the window: steps of a pass */
     uint32_t begun;             /* passes in which chains go on or have gone on */
 };
@@ -104,11 +107,11 @@ INLINE Chain *chains_at(const Chains *cs, size_t k)
 /* What a visit to a state counts, and a large proposal beside it. */
 INLINE double chains_visit(const Chains *cs, float brightness)
 {
-    return cs->b / ((double)brightness + cs->kind.large * cs->c);
+    return cs->b / ((double)brightness + (cs->kind.large + cs->plain) * cs->c);
 }
 INLINE double chains_try(const Chains *cs, float brightness)
 {
-    return cs->c / ((double)brightness + cs->kind.large * cs->c);
+    return cs->c / ((double)brightness + (cs->kind.large + cs->plain) * cs->c);
 }
 
 /* What a step comes to. */

@@ -291,6 +291,32 @@ static bool finish(Integrator *base, Film *f)
     return !p || proposals_even_out(p, f);
 }
 
+/* ---- what lasts ---- */
+
+/* e_d, and what was tried. */
+static void save_erpt(const Integrator *base, Saving *s)
+{
+    const Erpt *it = (const Erpt *)base;
+
+    save_double(s, it->deposit);
+    for (int k = 0; k < UNITS; k++)
+        save_double(s, it->found[k]);
+    if (it->proposals)
+        film_save(&it->proposals->film, s);
+}
+
+static bool load_erpt(Integrator *base, Loading *l)
+{
+    Erpt *it = (Erpt *)base;
+
+    it->deposit = load_double(l);
+    for (int k = 0; k < UNITS; k++)
+        it->found[k] = load_double(l);
+    return !it->proposals || film_load(&it->proposals->film, l);
+}
+
+/* ---- opening ---- */
+
 static void close_erpt(Integrator *base)
 {
     Erpt *it = (Erpt *)base;
@@ -389,5 +415,5 @@ const IntegratorKind integrator_erpt = {
               "with filters of noise (even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish,
-    .unkept = true
+    .save = save_erpt, .load = load_erpt, .keeps_all = true
 };

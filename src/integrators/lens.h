@@ -28,7 +28,7 @@ INLINE Rgb lens_sees(const CameraSample *c, const Surface *from, uint32_t medium
     Rgb sent = rgb_scale(flux, c->we / c->pdf_w);
 
     if (t->canvas)
-        film_expects(t->canvas->film, c->pixel);
+        film_awaits_splat(t->canvas->film, c->pixel);
     return !rgb_black(sent) && tracer_passes(t, &r, medium, &sent) ? sent : rgb_all(0.0f);
 }
 

@@ -127,6 +127,12 @@ void path_moves(LightPath *x, const LightPath *y, Vertex **rooms);
 /* *y = *x, with all vertices in rooms. */
 void path_copies(LightPath *y, const LightPath *x, Vertex *const *rooms, const Scene *s);
 
+/* ---- in files: pathstate.c ---- */
+
+void path_save(const LightPath *p, const Scene *s, Saving *to);
+/* Into the rooms that p has, for at most so many edges. False: it does not fit. */
+bool path_load(LightPath *p, int most, const Scene *s, Loading *l);
+
 /* The change of solid angle, as seen from vertex i's eye side, to area at vertex i+1 or the end. */
 INLINE float path_area(const LightPath *p, int i)
 {

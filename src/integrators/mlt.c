@@ -146,7 +146,7 @@ static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
 {
     Mlt *it = (Mlt *)base;
 
-    if (pass == 0 && phase == 1)
+    if (pass == 0 && phase == 1 && !it->chains.begun)
         learn_lengths(it);
     return chains_units(base, f, pass, phase);
 }
@@ -219,6 +219,48 @@ static void step(Chains *cs, Chain *base, Tracer *t)
         path_moves(&c->x, &y, c->rooms);
 }
 
+/* ---- what lasts ---- */
+
+static void save_chain(const Chains *cs, const Chain *base, Saving *s)
+{
+    const PathChain *c = (const PathChain *)base;
+
+    if (base->brightness > 0.0f)
+        path_save(&c->x, cs->base.scene, s);
+    for (int n = 0; n <= LIGHTPATH_MOST; n++)
+        save_double(s, c->squares[n]);
+}
+
+static bool load_chain(const Chains *cs, Chain *base, Loading *l)
+{
+    PathChain *c = (PathChain *)base;
+
+    if (base->brightness > 0.0f &&
+        !path_load(&c->x, rooms_of((const Mlt *)cs) - 1, cs->base.scene, l))
+        return false;
+    for (int n = 0; n <= LIGHTPATH_MOST; n++)
+        c->squares[n] = load_double(l);
+    return true;
+}
+
+static void save_mlt(const Integrator *base, Saving *s)
+{
+    const Mlt *it = (const Mlt *)base;
+
+    for (int n = 0; n <= LIGHTPATH_MOST; n++)
+        save_double(s, it->length[n]);
+    chains_save(base, s);
+}
+
+static bool load_mlt(Integrator *base, Loading *l)
+{
+    Mlt *it = (Mlt *)base;
+
+    for (int n = 0; n <= LIGHTPATH_MOST; n++)
+        it->length[n] = load_double(l);
+    return chains_load(base, l);
+}
+
 /* ---- the integrator ---- */
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
@@ -252,7 +294,7 @@ static void close_mlt(Integrator *base)
 
 static const ChainKind kind = {
     .size = sizeof(PathChain), .init = init_chain, .clear = clear_chain, .start = start,
-    .step = step, .show = show
+    .step = step, .show = show, .save = save_chain, .load = load_chain
 };
 
 static Integrator *open_mlt(const Scene *s, const Opts *o)
@@ -303,5 +345,5 @@ const IntegratorKind integrator_mlt = {
     .misses = "point and distant lights seen through delta surfaces; light that media scatter",
     .open = open_mlt, .close = close_mlt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = CHAINS_PHASES, .anew = true, .units = units, .run = chains_run,
-    .unkept = true
+    .save = save_mlt, .load = load_mlt, .keeps_all = true
 };
