@@ -268,9 +268,8 @@ static void interrupted(void)
     interrupt_by(SIGTERM);
 }
 
-/* Whatever renders, within a second, in the middle of a pass and of what comes before the first;
- * but swarm, whose bands learn as they go, ends its pass, of which a plan of years makes one of
- * months. */
+/* Whatever renders, within a second, in the middle of a pass and of what comes before the first.
+ * Methods that plan may take all samples of a pixel at once. */
 static void interrupted_soon(void)
 {
     cli_scene();
@@ -279,10 +278,9 @@ static void interrupted_soon(void)
             const char *name = integrators[k]->info.name;
             double start;
             Cli c;
-            if (!strcmp(name, "swarm"))
-                continue;
-            c = cli_start(NULL, "tiny.pbrt --spp 4000000000 --threads 2 --size 320x240 "
-                          "--integrator %s -o a.pfm", name);
+            c = cli_start(NULL, "tiny.pbrt --spp %s --threads 2 --size 320x240 "
+                          "--integrator %s -o a.pfm",
+                          integrators[k]->batch ? "8192" : "4000000000", name);
             cli_await(&c, "built in");
             for (int i = 0; i < naps; i++)
                 nap();

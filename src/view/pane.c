@@ -127,8 +127,8 @@ static bool look(void *ctx, const Film *film, const RenderReport *r)
 
 static uint32_t scaled(uint32_t n, uint32_t scale) { return n / scale + (n % scale != 0); }
 
-/* Methods that make their passes by a plan of the whole would make them too long to be left: they
- * get none, and look() ends them. */
+/* Methods that make passes by a plan of the whole would show nothing for long: they get none, and
+ * look() ends them. */
 static void set_size(RenderSettings *s, uint32_t scale)
 {
     s->w = scaled(s->w, scale);
