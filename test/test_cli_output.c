@@ -4,7 +4,7 @@
 #include "cli/args.h"
 #include "image/image.h"
 #include "integrators/integrator.h"
-#include "test/cli_help.h"
+#include "test/terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -334,6 +334,25 @@ static void interrupted_twice(void)
     EXPECT(stat(cli_path("pipe.pfm"), &st) == 0 && S_ISFIFO(st.st_mode), "no pipe any more");
 }
 
+/* ---- a narrow terminal ---- */
+
+/* The line of progress does not wrap: when it is cleared, nothing of it is left in other rows. */
+static void narrow_terminal(void)
+{
+    static Terminal t;
+    Cli c;
+
+    cli_scene();
+    terminal_open(&t, 44, 60, "TERM=xterm");
+    c = cli_start(terminal_take, "tiny.pbrt --size 40x30 --time 0.5 -o a.pfm");
+    terminal_read(&t, 0);
+    cli_wait(&c);
+    for (int row = 0; row < t.rows; row++)
+        EXPECT(!strstr(terminal_line(&t, row), "a pixel  "), "row %d: %s", row,
+               terminal_line(&t, row));
+    terminal_close(&t);
+}
+
 const TestCase test_cli_output[] = {
     { "unwritable", unwritable, false },
     { "read_only_folder", read_only_folder, false },
@@ -347,5 +366,6 @@ const TestCase test_cli_output[] = {
     { "interrupted_soon", interrupted_soon, true },
     { "interrupted_unwritten", interrupted_unwritten, false },
     { "interrupted_twice", interrupted_twice, false },
+    { "narrow_terminal", narrow_terminal, false },
     { NULL, NULL, false }
 };

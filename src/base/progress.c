@@ -11,15 +11,13 @@
 #define REDRAW_SECONDS 0.1              /* as often as the eye wants */
 #define LINE_SECONDS   5.0              /* in a log: not more than that */
 
-/* 80 where nobody knows. */
-static int columns(void)
+void terminal_size(int *columns, int *rows)
 {
-#ifdef TIOCGWINSZ
     struct winsize size;
-    if (ioctl(2, TIOCGWINSZ, &size) == 0 && size.ws_col > 1)
-        return size.ws_col;
-#endif
-    return 80;
+    bool known = ioctl(2, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
+
+    *columns = known ? size.ws_col : 80;
+    *rows = known ? size.ws_row : 24;
 }
 
 void progress_start(Progress *p)
@@ -33,6 +31,7 @@ void progress_start(Progress *p)
 void progress_show(Progress *p, double fraction, double spp, uint64_t rays)
 {
     double now, elapsed;
+    int rows;
     char a[32], b[32], line[200];
 
     if (p->quiet)
@@ -46,10 +45,10 @@ void progress_show(Progress *p, double fraction, double spp, uint64_t rays)
     clock_text(b, sizeof b, fraction > 0 ? elapsed * (1 - fraction) / fraction : 0);
     snprintf(line, sizeof line, "%3d%%  %.0f samples a pixel  %.2f Mrays/s  %s elapsed  %s left",
              (int)(fraction * 100), spp, elapsed > 0 ? (double)rays * 1e-6 / elapsed : 0, a, b);
-    p->width = p->terminal ? columns() : 0;
-    if (p->terminal)            /* padded: the line before may have been longer */
+    if (p->terminal) {          /* padded: the line before may have been longer */
+        terminal_size(&p->width, &rows);
         fprintf(stderr, "\r%-*.*s", p->width - 1, p->width - 1, line);
-    else
+    } else
         fprintf(stderr, "%s\n", line);
     fflush(stderr);
     p->drawn = true;

@@ -18,4 +18,7 @@ void progress_start(Progress *p);
 void progress_show(Progress *p, double fraction, double spp, uint64_t rays);
 void progress_end(Progress *p);         /* clears the line */
 
+/* Of the terminal on standard error; where nobody knows, 80 by 24. */
+void terminal_size(int *columns, int *rows);
+
 #endif

@@ -8,6 +8,7 @@
 #include "cli/preview.h"
 
 #include "base/clock.h"
+#include "base/progress.h"
 #include "cli/interrupt.h"
 #include "image/halfblocks.h"
 
@@ -15,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #define ENTER "\033[?1049h\033[?25l\033[?7l\033[2J"
@@ -60,19 +60,6 @@ static void catch_suspension(void (*handler)(int))
     a.sa_handler = handler;
     a.sa_flags = SA_RESTART;
     sigaction(SIGTSTP, &a, NULL);
-}
-
-/* What cannot be found out is 80 x 24. */
-static void terminal_size(int *columns, int *rows)
-{
-    struct winsize size;
-
-    *columns = 80;
-    *rows = 24;
-    if (ioctl(2, TIOCGWINSZ, &size) < 0 || size.ws_col < 1 || size.ws_row < 1)
-        return;
-    *columns = size.ws_col;
-    *rows = size.ws_row;
 }
 
 static bool says(const char *variable, const char *word)
