@@ -22,7 +22,10 @@ static HttpStatus parse(const char *bytes, size_t n, HttpRequest *r)
     memcpy(copy, bytes, n);
     status = http_parse(copy, n, r);
     if (status == HTTP_OK) {                    /* all words lie in the bytes */
-        const Word w[] = { r->path, r->query, r->host };
+        Word w[3];              /* tcc 0.9.27 takes no structs by name as initializers here */
+        w[0] = r->path;
+        w[1] = r->query;
+        w[2] = r->host;
         for (int k = 0; k < 3; k++)
             EXPECT(w[k].s >= copy && w[k].s + w[k].n <= copy + n, "word %d lies elsewhere", k);
     }

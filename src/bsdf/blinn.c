@@ -27,13 +27,10 @@ static const Blinn *of(const Bsdf *b) { return (const Blinn *)(const void *)b->a
 static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Blinn *p = (Blinn *)(void *)b->as.number;
-    Rgb d = reflectance_of(value[0]), s = reflectance_of(value[1]), sum = rgb_add(d, s);
-    Rgb scale = { 1.0f / f_max(1.0f, sum.r), 1.0f / f_max(1.0f, sum.g), 1.0f / f_max(1.0f, sum.b) };
     float ld, ls;
 
     (void)data;
-    p->diffuse = rgb_mul(d, scale);
-    p->specular = rgb_mul(s, scale);
+    reflectances_of(value, &p->diffuse, &p->specular);
     p->exponent = f_min(f_max(value[2].r, 0.0f), SHARPEST);
     p->eta = value[3].r >= 1.0f ? f_min(value[3].r, 10.0f) : 0.0f;
     ld = rgb_lum(p->diffuse);

@@ -114,6 +114,15 @@ INLINE Rgb reflectance_of(Rgb value)                /* a texture may leave [0,1]
 {
     return (Rgb){ clamp01(value.r), clamp01(value.g), clamp01(value.b) };
 }
+/* Those of two parts, taken down together where they would be more than 1. */
+INLINE void reflectances_of(const Rgb value[2], Rgb *first, Rgb *second)
+{
+    Rgb a = reflectance_of(value[0]), b = reflectance_of(value[1]), sum = rgb_add(a, b);
+    Rgb scale = { 1.0f / f_max(1.0f, sum.r), 1.0f / f_max(1.0f, sum.g), 1.0f / f_max(1.0f, sum.b) };
+
+    *first = rgb_mul(a, scale);
+    *second = rgb_mul(b, scale);
+}
 Rgb   bsdf_eval_none(const Bsdf *b, V3 wo, V3 wi, bool importance);      /* of delta models */
 float bsdf_pdf_none(const Bsdf *b, V3 wo, V3 wi);
 /* The normal and the mirror image of wo: of a matt part with a lobe. */

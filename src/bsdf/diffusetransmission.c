@@ -17,13 +17,10 @@ static const Sheet *of(const Bsdf *b) { return (const Sheet *)(const void *)b->a
 static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Sheet *s = (Sheet *)(void *)b->as.number;
-    Rgb r = reflectance_of(value[0]), t = reflectance_of(value[1]), sum = rgb_add(r, t);
-    Rgb scale = { 1.0f / f_max(1.0f, sum.r), 1.0f / f_max(1.0f, sum.g), 1.0f / f_max(1.0f, sum.b) };
     float lr, lt;
 
     (void)data;
-    s->reflectance = rgb_mul(r, scale);
-    s->transmittance = rgb_mul(t, scale);
+    reflectances_of(value, &s->reflectance, &s->transmittance);
     lr = rgb_lum(s->reflectance);
     lt = rgb_lum(s->transmittance);
     s->reflects = lt > 0.0f ? lr / (lr + lt) : 1.0f;

@@ -27,14 +27,11 @@ static const Ward *of(const Bsdf *b) { return (const Ward *)(const void *)b->as.
 static void setup(Bsdf *b, const Rgb *value, const void *data)
 {
     Ward *w = (Ward *)(void *)b->as.number;
-    Rgb d = reflectance_of(value[0]), s = reflectance_of(value[1]), sum = rgb_add(d, s);
-    Rgb scale = { 1.0f / f_max(1.0f, sum.r), 1.0f / f_max(1.0f, sum.g), 1.0f / f_max(1.0f, sum.b) };
     float u = value[3].r < 0.0f ? value[2].r : value[3].r;
     float v = value[4].r < 0.0f ? value[2].r : value[4].r, ld, ls;
 
     (void)data;
-    w->diffuse = rgb_mul(d, scale);
-    w->specular = rgb_mul(s, scale);
+    reflectances_of(value, &w->diffuse, &w->specular);
     w->ax = f_min(f_max(u, SMOOTHEST), 1.0f);
     w->ay = f_min(f_max(v, SMOOTHEST), 1.0f);
     ld = rgb_lum(w->diffuse);
