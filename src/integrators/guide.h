@@ -90,7 +90,8 @@ void guide_learns(Guide *g, Tracer *t);
 /* ---- for whoever builds paths ----
  *
  * starts, then for each event flies, turns (where it scatters), connected (for light found by a
- * connection there), leaves (all decisions there are made); ends. `sum` is the light so far. */
+ * connection there), leaves (all decisions there are made); ends. `sum` is the light so far. Where
+ * only what comes before the first vertex is guided, to fly is enough. */
 
 void guide_starts(Guide *g, Beam *b);
 void guide_flies(Guide *g, Beam *b, Rgb sum);

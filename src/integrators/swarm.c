@@ -16,7 +16,9 @@
  *             eighth neighbour to all pixels of the tile in the pass after: so what has been found
  *             gets to all sides, also upwards, which [Cline07 9.4] misses. A pass is unbiased by
  *             itself, whatever the one before has found; so is their mean by count of samples,
- *             which the film makes, and early passes, the noisy ones, are the shortest.
+ *             which the film makes, and early passes, the noisy ones, are the shortest. Weights by
+ *             inverse variance would have to be guessed from the same few samples, and what knows
+ *             of the values that it weighs is biased.
  * Departs     Maps are kept as they are, not inverted, and are of squares, not of means, nor are
  *             they normalised: see learned.h. A pixel whose samples were all black passes its maps
  *             on as they came. Maps are used where they are of use: see guide.h; the even part of
