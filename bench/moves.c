@@ -151,7 +151,7 @@ void bench_moves_error(void)
 /* ---- convergence: figure 8.15 ---- */
 
 enum { TIMES = 4, METHODS = 5 };
-static const double times[TIMES] = { 0.5, 1, 2, 4 };
+static const double times[TIMES] = { 0.75, 1.5, 3, 6 };
 static const char *const methods[METHODS] = {
     "path", "mlt", "erpt", "erpt:even=box,repeats=20", "erpt:even=median,repeats=20"
 };
@@ -206,9 +206,9 @@ static void curves(const Contest *c, const char *file)
 
 void bench_moves_curves(void)
 {
-    static const Contest ball = { "scenes/three-spheres.pbrt", 96, 64, { 0 }, "bdpt", 10, 0 },
-                         gallery = { "scenes/gallery.pbrt", 96, 64, { 0 }, "bdpt", 10, 0 },
-                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "pssmlt", 10, 0 };
+    static const Contest ball = { "scenes/three-spheres.pbrt", 96, 64, { 0 }, "bdpt", 20, 0 },
+                         gallery = { "scenes/gallery.pbrt", 96, 64, { 0 }, "bdpt", 20, 0 },
+                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "pssmlt", 20, 0 };
 
     curves(&ball, "curves-ball.svg");
     curves(&gallery, "curves-gallery.svg");

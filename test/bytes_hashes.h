@@ -16,7 +16,7 @@
     { "integrator/bdpt", 0x5C5F8DE02594771C },
     { "integrator/bpm", 0xCBADE04BA1503105 },
     { "integrator/vcm", 0xB273D89D568D76CA },
-    { "integrator/pssmlt", 0x5106FFAFDB93E643 },
+    { "integrator/pssmlt", 0x51B46FB7F8BEE496 },
     { "integrator/mlt", 0x568ABC491B452727 },
     { "integrator/erpt", 0xAC5F18FE50A164A9 },
     { "sampler/random", 0x2D148ACFC6214E26 },

@@ -219,8 +219,7 @@ static const char PATH[] = "path:maxdepth=4,roulette=2";
 /* Ways of having samples. The third misses what deltas show; none is seen here. */
 static const char *const ways[] = {
     "pssmlt:over=path,direct=0," FEW, "pssmlt:" FEW, "pssmlt:over=light,direct=0," FEW,
-    "pssmlt:techniques=one,direct=0," FEW, "pssmlt:over=path," FEW, "pssmlt:techniques=one," FEW,
-    "pssmlt:plain=1,large=0.3," FEW
+    "pssmlt:techniques=one,direct=0," FEW, "pssmlt:over=path," FEW, "pssmlt:techniques=one," FEW
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
@@ -326,8 +325,7 @@ static void windows(void)
     any_scene(&l);
     for (int k = 0; k < 3; k++) {
         Stat a, b;
-        snprintf(method, sizeof method, "pssmlt:direct=%d,plain=%d," FEW "%s", k == 1,
-                 k == 2, filters_of[k]);
+        snprintf(method, sizeof method, "pssmlt:direct=%d," FEW "%s", k == 1, filters_of[k]);
         a = window_mean(&l, method, NULL, 400, 100);
         snprintf(method, sizeof method, "path:maxdepth=4,roulette=2%s", filters_of[k]);
         b = window_mean(&l, method, NULL, 200, 200);

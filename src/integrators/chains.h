@@ -22,9 +22,7 @@
  *                 (b / c) / (I/c + p)   a visit,        1 / (I/c + p)   a large proposal,
  *             and the sum has the right expectation whatever c is, for it is in the weights alone;
  *             c = b makes them those of [Kelemen02]. Without large steps p = 0 and a visit counts
- *             b / I. Samples that chains do not know of may be taken beside them, as many as the
- *             method likes: they are as good as large proposals, and p is larger by their number
- *             for each step.
+ *             b / I.
  * b           Large steps are independent samples: their brightness goes on to refine b from pass
  *             to pass; c stays. What a pass adds is worked out with the b that came before it. That
  *             is why methods of chains are consistent: b and the visits of later passes depend on
@@ -81,7 +79,6 @@ struct Chains {
     double   found;             /* brightness of independent samples so far, and */
     uint64_t tries;             /* their number: b is the quotient */
     double   b, c;              /* of this pass; c > 0 */
-    double   plain;             /* samples from elsewhere, beside each step: see Large steps */
     uint64_t pixels;            /* of the window: steps of a pass */
     uint32_t begun;             /* passes in which chains go on or have gone on */
 };
@@ -107,11 +104,11 @@ INLINE Chain *chains_at(const Chains *cs, size_t k)
 /* What a visit to a state counts, and a large proposal beside it. */
 INLINE double chains_visit(const Chains *cs, float brightness)
 {
-    return cs->b / ((double)brightness + (cs->kind.large + cs->plain) * cs->c);
+    return cs->b / ((double)brightness + cs->kind.large * cs->c);
 }
 INLINE double chains_try(const Chains *cs, float brightness)
 {
-    return cs->c / ((double)brightness + (cs->kind.large + cs->plain) * cs->c);
+    return cs->c / ((double)brightness + cs->kind.large * cs->c);
 }
 
 /* What a step comes to. */

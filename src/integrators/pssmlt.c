@@ -9,11 +9,6 @@
  *             probability that depends on nothing, are new samples. Both are symmetric (see
  *             primary.h), so what has to be known of the other method is nothing at all.
  * Weights     See chains.h.
- * Plain       Large steps fall anywhere, so that of two pixels alike one gets more of them; the
- *             samples of the method itself are spread evenly. With plain=1 there is one of those
- *             in each pixel beside each step: it is no proposal, so it may follow any pattern, but
- *             counts as large ones do. What is dim then comes from these, what is bright and
- *             rare from chains.
  * Techniques  A sample of bdpt makes paths in all ways that there are; or, with techniques=one, in
  *             a single way, which is a number of the sample as well, and counts for all the others:
  *             a length k with a probability in proportion to 1/k, one of the ways of making it with
@@ -30,17 +25,8 @@
 
 enum { DIRECT_EDGES = 2 };              /* of a path from the eye by a surface to a light */
 
-/* Plain samples of a tile of the film, which one worker has at a time. */
-typedef struct {
-    SplatList light;            /* owned: of the one that is being made */
-    double   found;             /* brightness of those of this pass */
-    uint64_t tries;             /* and how many there were */
-} PlainTile;
-
 typedef struct {
     Chains chains;
-    PlainTile *plain;           /* owned: of each tile; NULL: there are no plain samples */
-    uint32_t tiles, tiles_x;
     Integrator *over;           /* owned: makes the samples */
     Integrator *direct;         /* owned: shows what they leave out; NULL: nothing */
     PrimaryKernel kernel;
@@ -57,13 +43,14 @@ typedef struct {
 
 /* ---- samples ---- */
 
-/* The place on the plane of the picture, by numbers from 0 to 1 across; *area: where it may be, all
- * that a pixel's filter may look at, as a share of the picture. */
-static V2 place_of(const Pssmlt *it, V2 u, const Tracer *t, float *area)
+/* The place on the plane of the picture; *area: where it may be, all that a pixel's filter may look
+ * at, as a share of the picture. */
+static V2 place_of(const Pssmlt *it, Tracer *t, float *area)
 {
     const Filter *f = t->canvas->filter;
     float rx = (float)f->axis[0].radius - 0.5f, ry = (float)f->axis[1].radius - 0.5f;
     float w = (float)it->w + 2.0f * rx, h = (float)it->h + 2.0f * ry;
+    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
 
     *area = w * h / ((float)it->full_w * (float)it->full_h);
     return (V2){ (float)it->x0 - rx + u.x * w, (float)it->y0 - ry + u.y * h };
@@ -132,10 +119,11 @@ static float choose_technique(const Pssmlt *it, float u, Technique *q)
     return p / (sum * ways);
 }
 
-/* Makes the sample at that place, by the tracer's sampler, and keeps back what light it brings.
- * Returns its brightness. The tracer is as it was, but for the rays that were cast. */
-static float sample(const Pssmlt *it, SplatList *l, V2 u, Tracer *t)
+/* Makes the sample that the chain's sampler proposes, and keeps back what light it brings. Returns
+ * its brightness. The tracer is as it was, but for the rays that were cast. */
+static float sample(const Pssmlt *it, Walk *w, Tracer *t)
 {
+    SplatList *l = &w->light[!w->primary.now];
     Tracer was = *t;
     Technique only;
     float pmf = 1.0f;
@@ -145,12 +133,15 @@ static float sample(const Pssmlt *it, SplatList *l, V2 u, Tracer *t)
 
     l->n = 0;
     t->held = l;
+    t->sampler = primary_sampler(&w->primary);
+    t->x = it->x0;
+    t->y = it->y0;
     t->kept = false;
     if (it->longest) {
         pmf = choose_technique(it, sample_1d(&t->sampler, DECISION(DECIDE_TECHNIQUE, 0)), &only);
         t->only = &only;
     }
-    l->place = place_of(it, u, t, &l->area);
+    l->place = place_of(it, t, &l->area);
     film_awaits_splat(t->canvas->film, l->place);
     r = eye_ray(it->chains.base.scene, l->place, t);
     if (it->tallies)
@@ -163,72 +154,6 @@ static float sample(const Pssmlt *it, SplatList *l, V2 u, Tracer *t)
     was.failed = t->failed;
     *t = was;
     return brightness_of(l, pmf, t);
-}
-
-/* The sample that the chain's sampler proposes. */
-static float proposal(const Pssmlt *it, Walk *w, Tracer *t)
-{
-    Tracer was = *t;
-    float brightness;
-
-    t->sampler = primary_sampler(&w->primary);
-    t->x = it->x0;
-    t->y = it->y0;
-    brightness = sample(it, &w->light[!w->primary.now],
-                        sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)), t);
-    was.rays = t->rays;
-    was.failed = t->failed;
-    *t = was;
-    return brightness;
-}
-
-/* ---- plain samples ---- */
-
-/* In the pixel's part of all places. */
-static void plain(const Pssmlt *it, Tracer *t)
-{
-    PlainTile *p = &it->plain[(t->y - it->y0) / FILM_TILE * it->tiles_x +
-                              (t->x - it->x0) / FILM_TILE];
-    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
-    float brightness;
-
-    u = (V2){ ((float)(t->x - it->x0) + u.x) / (float)it->w,
-              ((float)(t->y - it->y0) + u.y) / (float)it->h };
-    brightness = sample(it, &p->light, u, t);
-    p->found += brightness;
-    p->tries++;
-    tracer_splat_list(t, &p->light, (float)chains_try(&it->chains, brightness));
-}
-
-/* What they say of b. */
-static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
-{
-    Pssmlt *it = (Pssmlt *)base;
-
-    for (uint32_t k = 0; it->plain && phase == 1 && k < it->tiles; k++) {
-        it->chains.found += it->plain[k].found;
-        it->chains.tries += it->plain[k].tries;
-        it->plain[k].found = 0;
-        it->plain[k].tries = 0;
-    }
-    return chains_units(base, f, pass, phase);
-}
-
-static bool plain_init(Pssmlt *it, const Film *f)
-{
-    it->tiles = film_ntiles(f);
-    it->tiles_x = f->tiles_x;
-    it->plain = MEM_ARRAY(PlainTile, it->tiles);
-    for (uint32_t k = 0; it->plain && k < it->tiles; k++)
-        it->plain[k].light.least = it->direct ? DIRECT_EDGES + 1 : 0;
-    return it->plain != NULL;
-}
-
-static void plain_clear(Pssmlt *it)
-{
-    for (uint32_t k = 0; it->plain && k < it->tiles; k++)
-        mem_free(it->plain[k].light.splats);
-    mem_free(it->plain);
 }
 
 /* ---- what chains ask for ---- */
@@ -255,7 +180,7 @@ static float walk_start(Chains *cs, Chain *c, uint64_t number, Tracer *t)
     float brightness;
 
     primary_propose(&w->primary, key_with(cs->seed, ~number), true);
-    brightness = proposal((const Pssmlt *)cs, w, t);
+    brightness = sample((const Pssmlt *)cs, w, t);
     primary_accept(&w->primary);
     return brightness;
 }
@@ -270,7 +195,7 @@ static void walk_step(Chains *cs, Chain *c, Tracer *t)
     Step s;
 
     primary_propose(&w->primary, rng_bits(&rng), large || c->brightness == 0.0f);
-    brightness = proposal((const Pssmlt *)cs, w, t);
+    brightness = sample((const Pssmlt *)cs, w, t);
     s = chain_steps(cs, c, brightness, chain_accepts(c, brightness), large, rng_unit(&rng));
     if (s.left > 0)
         tracer_splat_list(t, s.moves ? present : proposed, (float)s.left);
@@ -332,36 +257,12 @@ static bool walk_load(const Chains *cs, Chain *c, Loading *from)
     return true;
 }
 
-static void save_pssmlt(const Integrator *base, Saving *s)
-{
-    const Pssmlt *it = (const Pssmlt *)base;
-
-    for (uint32_t k = 0; it->plain && k < it->tiles; k++) {
-        save_double(s, it->plain[k].found);
-        save_u64(s, it->plain[k].tries);
-    }
-    chains_save(base, s);
-}
-
-static bool load_pssmlt(Integrator *base, Loading *l)
-{
-    Pssmlt *it = (Pssmlt *)base;
-
-    for (uint32_t k = 0; it->plain && k < it->tiles; k++) {
-        it->plain[k].found = load_double(l);
-        it->plain[k].tries = load_u64(l);
-    }
-    return chains_load(base, l);
-}
-
-/* ---- what is evenly over the picture ---- */
+/* ---- direct light apart ---- */
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Integrator *direct = ((const Pssmlt *)base)->direct;
 
-    if (((const Pssmlt *)base)->plain)
-        plain((const Pssmlt *)base, t);
     return direct ? direct->kind->radiance(direct, r, t) : rgb_all(0.0f);
 }
 
@@ -379,8 +280,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
     it->full_w = f->full_w;
     it->full_h = f->full_h;
     it->tallies = it->direct || f->layers > 1;
-    return (!k->prepare || k->prepare(it->over, f, seed)) && chains_prepare(base, f, seed) &&
-           (!(it->chains.plain > 0) || plain_init(it, f));
+    return (!k->prepare || k->prepare(it->over, f, seed)) && chains_prepare(base, f, seed);
 }
 
 static void close_pssmlt(Integrator *base)
@@ -388,7 +288,6 @@ static void close_pssmlt(Integrator *base)
     Pssmlt *it = (Pssmlt *)base;
 
     chains_clear(&it->chains);
-    plain_clear(it);
     if (it->over)
         it->over->kind->close(it->over);
     if (it->direct)
@@ -471,7 +370,6 @@ static Integrator *open_pssmlt(const Scene *s, const Opts *o)
         return NULL;
     it->chains.base.scene = s;
     chains_open(&it->chains, &kind, o);
-    it->chains.plain = opt_bool(o, "plain");
     primary_kernel(&it->kernel, opt_float(o, "least"), opt_float(o, "largest"));
     if (check_steps(o) && open_over(it, s, o))
         return &it->chains.base;
@@ -487,9 +385,6 @@ static const OptDef options[] = {
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "over unbiased methods: light scattered once at most is left to path, a sample for "
               "each pixel and pass" },
-    { .key = "plain", .type = OPT_BOOL, .num = 0,
-      .help = "beside the steps a sample for each pixel and pass, spread as those of the other "
-              "integrator" },
     { .key = "large", .type = OPT_FLOAT, .num = 0.5, .lo = 0.001, .hi = 1,
       .help = "share of steps to new samples" },
     { .key = "least", .type = OPT_FLOAT, .num = 1.0 / 1024, .lo = 1e-6, .hi = 0.5,
@@ -511,6 +406,6 @@ const IntegratorKind integrator_pssmlt = {
     .truth = CONSISTENT, .misses = "what the integrator misses whose samples it changes",
     .splats = true, .open = open_pssmlt, .close = close_pssmlt, .prepare = prepare,
     .radiance = radiance, .phases = CHAINS_PHASES, .anew = true,
-    .units = units, .run = chains_run, .save = save_pssmlt, .load = load_pssmlt,
+    .units = chains_units, .run = chains_run, .save = chains_save, .load = chains_load,
     .keeps_all = true
 };
