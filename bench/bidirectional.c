@@ -95,30 +95,34 @@ void bench_bidirectional_rooms(void)
 
 /* ---- a pass ---- */
 
-static double cpu_of(const char *scene, const char *method, uint32_t spp, double *rays)
-{
-    RenderReport r;
+enum { PASSES = 8 };
 
-    *rays = 0;
-    if (!bench_render(scene, method, NULL, 0, spp, 1, 3, NULL, &r))
-        return 0;
-    *rays = (double)r.rays / (double)r.samples;
-    return r.cpu_seconds / spp;
+static double cpu_of(const char *scene, const char *method, RenderReport *r)
+{
+    return bench_render(scene, method, NULL, 0, PASSES, 1, 3, NULL, r) ? r->cpu_seconds / PASSES
+                                                                       : 0;
 }
 
-/* What a pass of one sample a pixel takes [GIRT table 5.3], told from runs that leave a part of it
- * out: mergers; connections; all but light paths that are shown to the lens. */
+/* What a pass of one sample a pixel consists of [GIRT table 5.3]. What mergers and connections take
+ * is told from runs without them. */
 static void profile(const char *scene)
 {
-    double rays, unused, whole = cpu_of(scene, "vcm", 8, &rays);
-    double several = cpu_of(scene, "vcm:radii=4", 8, &unused);
-    double connects = cpu_of(scene, "vcm:mode=bdpt", 8, &unused);
-    double merges = cpu_of(scene, "vcm:mode=bpm", 8, &unused);
-    double light = cpu_of(scene, "vcm:mode=lighttracing", 8, &unused);
+    RenderReport r, other;
+    const PathWork *w = &r.work;
+    double whole = cpu_of(scene, "vcm", &r);
+    double connects = cpu_of(scene, "vcm:mode=bdpt", &other);
+    double merges = cpu_of(scene, "vcm:mode=bpm", &other);
 
-    printf("pass\t%s\tCPU-seconds %.3f\twithout mergers %.3f\twithout connections %.3f\t"
-           "light paths and their way to the lens %.3f\trays a pixel %.1f\tby four radii %.3f\n",
-           scene, whole, connects, merges, light, rays, several);
+    if (!(whole > 0) || !w->from_eye || !w->from_lamps)
+        return;
+    printf("pass\t%s\tCPU-seconds %.3f, of light paths and their grid %.3f\twithout mergers %.3f, "
+           "without connections %.3f\tedges from lamps %.2f, from the eye %.2f\t"
+           "a pixel: connections %.1f, mergers %.1f, rays %.1f\tMrays/s %.2f\n",
+           scene, whole, r.before / PASSES, connects, merges,
+           (double)w->lamp_edges / (double)w->from_lamps,
+           (double)w->eye_edges / (double)w->from_eye, (double)w->joins / (double)w->from_eye,
+           (double)w->mergers / (double)w->from_eye, (double)r.rays / (double)w->from_eye,
+           (double)r.rays * 1e-6 / r.seconds);
     fflush(stdout);
 }
 
