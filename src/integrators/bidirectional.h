@@ -14,7 +14,7 @@
  *             taken at the second vertex of a light path, when that is known.
  * Lens        What light paths show to it falls into pixels by chance alone; the eye's paths are
  *             spread evenly in each. So one of the former counts as a third of the latter in
- *             weights: on the boxes' walls that leaves 0.75 of the variance, by 1/10 it is 0.9.
+ *             weights: on the wall of scenes/s5 that left 0.74 of relMSE, and a tenth 0.88.
  * Straight    Light that comes straight from lamps is not merged if it can be asked for: that has
  *             less noise than its density says, as it is spread evenly, too.
  * Visibility  is what connections cost. Those that bring little are tried by chance only
