@@ -588,36 +588,21 @@ static void glass(void)
     }
 }
 
-/* What is kept of a light path is the path. */
-static void kept(void)
+/* What is kept of a light path is the path, whether or not its first vertex stands apart. */
+static void expect_kept(const Bidirectional *b, LightStore *store, Tracer *t)
 {
     LightVertex path[DEPTH_MOST], again[DEPTH_MOST];
-    const SamplerKind *independent = kind_find(samplers, "random");
-    Bidirectional b = { 0 };
-    LightStore store;
-    uint32_t spp = 1;
-    Tracer t = { 0 };
     long seen = 0;
-    Opts o, none;
-    Lab l;
 
-    lab_init(&l);
-    add_glass_room(&l);
-    l.scene->camera->kind->film(l.scene->camera, 32, 32);
-    lab_method(&l, "bdpt:maxdepth=6", &o);
-    opts_default(&none, independent->info.options);
-    t.scene = l.scene;
-    REQUIRE(bidirectional_open(&b, "test", l.scene, &o) && lightstore_init(&store, l.scene, 1500) &&
-            sampler_init(&t.sampler, independent, &none, 3, &spp), "memory");
-    for (uint64_t unit = 0; unit < lightstore_units(&store, 0, true); unit++)
-        lightstore_run(&store, &b, 5, 0, unit, &t);
+    for (uint64_t unit = 0; unit < lightstore_units(store, 0, true); unit++)
+        lightstore_run(store, b, 5, 0, unit, t);
     for (uint32_t i = 0; i < 1500; i++) {
         int n, m;
-        sampler_pixel(&t.sampler, i, 0);
-        sampler_start(&t.sampler, 5);
-        sampler_other(&t.sampler, PATH_FROM_LAMP);
-        n = bidirectional_light(&b, 0.0f, path, &t);
-        m = lightstore_path(&store, i, again, &t);
+        sampler_pixel(&t->sampler, i, 0);
+        sampler_start(&t->sampler, 5);
+        sampler_other(&t->sampler, PATH_FROM_LAMP);
+        n = bidirectional_light(b, 0.0f, path, t);
+        m = lightstore_path(store, i, again, t);
         EXPECT(n == m, "path %lu: %d vertices, %d were kept", (unsigned long)i, n, m);
         for (int k = 0; k < n && k < m; k++, seen++) {
             const LightVertex *x = &path[k], *y = &again[k];
@@ -629,7 +614,33 @@ static void kept(void)
         }
     }
     EXPECT(seen > 300, "%ld vertices", seen);
-    lightstore_clear(&store);
+}
+
+static void kept(void)
+{
+    const SamplerKind *independent = kind_find(samplers, "random");
+    Bidirectional b = { 0 };
+    LightStore store;
+    uint32_t spp = 1;
+    Tracer t = { 0 };
+    Opts o, none;
+    Lab l;
+
+    lab_init(&l);
+    add_glass_room(&l);
+    l.scene->camera->kind->film(l.scene->camera, 32, 32);
+    lab_method(&l, "bdpt:maxdepth=6", &o);
+    opts_default(&none, independent->info.options);
+    t.scene = l.scene;
+    REQUIRE(bidirectional_open(&b, "test", l.scene, &o) &&
+            sampler_init(&t.sampler, independent, &none, 3, &spp), "memory");
+    for (int straight = 0; straight < 2; straight++) {
+        b.techniques.straight = straight;
+        REQUIRE(lightstore_init(&store, l.scene, 1500, straight), "memory");
+        expect_kept(&b, &store, &t);
+        EXPECT((store.straight == NULL) == straight, "vertices that nobody uses have memory");
+        lightstore_clear(&store);
+    }
     bidirectional_clear(&b);
     sampler_clear(&t.sampler);
     EXPECT(sizeof(KeptVertex) == 64, "a vertex takes %lu bytes", (unsigned long)sizeof(KeptVertex));

@@ -25,7 +25,9 @@
  *             meet a delta next all go on, and count by their number; of what meets anything else
  *             only the first ray's counts, whole. Each kind keeps its mean, so weights need not
  *             know ([Arvo90]).
- * Media       take light away; what they scatter is left out, with a warning. */
+ * Media       take light away; what they scatter is left out, with a warning.
+ * Files       bidirectional_light.c has the light's half, bidirectional.c the eye's, ends.h what
+ *             both must agree on. */
 #ifndef INTEGRATORS_BIDIRECTIONAL_H
 #define INTEGRATORS_BIDIRECTIONAL_H
 

@@ -9,7 +9,7 @@
 enum { TRACE };                         /* the first phase; the others are those of arrivals.h */
 enum { NO_KEPT_MEDIUM = 0xffffff };
 
-bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths)
+bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths, bool straight)
 {
     memset(s, 0, sizeof *s);
     if (scene->nmedia >= NO_KEPT_MEDIUM)
@@ -18,8 +18,9 @@ bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths)
     if (!arrivals_init(&s->arrivals, sizeof(KeptVertex), paths))
         return false;
     s->first = MEM_ARRAY(uint32_t, s->arrivals.nbatches * (ARRIVALS_BATCH + 1));
-    s->straight = s->first ? MEM_ARRAY(KeptVertex, (size_t)paths) : NULL;
-    if (s->straight)
+    if (s->first && !straight)
+        s->straight = MEM_ARRAY(KeptVertex, (size_t)paths);
+    if (s->first && (straight || s->straight))
         return true;
     lightstore_clear(s);
     return false;
@@ -98,9 +99,11 @@ static bool trace(LightStore *s, const Bidirectional *b, uint32_t pass, uint64_t
     sampler_start(&t->sampler, pass);
     sampler_other(&t->sampler, PATH_FROM_LAMP);
     n = bidirectional_light(b, t->moment, y, t);
-    s->straight[path].edges = 0;
-    if (n && y[0].edges == 1 && !b->techniques.straight)
-        s->straight[path] = keep(&y[i++]);
+    if (s->straight) {
+        s->straight[path].edges = 0;
+        if (n && y[0].edges == 1)
+            s->straight[path] = keep(&y[i++]);
+    }
     for (; i < n; i++) {
         KeptVertex k = keep(&y[i]);
         if (!arrivals_add(batch, sizeof k, &k))
@@ -150,7 +153,7 @@ int lightstore_path(const LightStore *s, uint64_t number, LightVertex *path, Tra
 
     int n = 0;
 
-    if (s->straight[number].edges)
+    if (s->straight && s->straight[number].edges)
         make_again(&s->straight[number], &path[n++], t);
     for (uint32_t j = first[0]; j < first[1]; j++)
         make_again(&k[j], &path[n++], t);

@@ -30,13 +30,14 @@ INLINE Odds kept_odds(const KeptVertex *k)
 
 struct LightStore {
     Arrivals arrivals;          /* owned */
-    KeptVertex *straight;       /* owned: of each path, edges 0 if there is none */
+    KeptVertex *straight;       /* owned: of each path, edges 0 if there is none; NULL: merged */
     uint32_t *first;            /* owned: of each path, the others, within its batch */
     float    radius;            /* of mergers, in this pass */
 };
 
-/* For so many light paths a pass. False: reported, and nothing has to be cleared. */
-bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths);
+/* For so many light paths a pass; straight: what comes straight from lamps is merged, too. False:
+ * reported, and nothing has to be cleared. */
+bool lightstore_init(LightStore *s, const Scene *scene, uint64_t paths, bool straight);
 void lightstore_clear(LightStore *s);
 
 /* A pass: its light paths are traced and shown to the lens, then sorted into the grid. `merges`:

@@ -15,7 +15,8 @@ bool vcm_prepare(Integrator *base, const Film *f, uint64_t seed)
     (void)seed;
     it->full_w = f->full_w;
     return lightstore_init(&it->store, base->scene,
-                           (uint64_t)f->full_w * f->full_h * it->multiple);
+                           (uint64_t)f->full_w * f->full_h * it->multiple,
+                           it->both.techniques.straight);
 }
 
 uint32_t vcm_moment(const Integrator *base, uint32_t pass)
