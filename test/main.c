@@ -39,7 +39,7 @@
     X(whitted) X(distributed) X(splats) X(light) X(pointtree) X(photonmap) X(instantradiosity) \
     X(pointgrid) X(progressive) X(irradiance) X(irradiancecache) X(bidirectional) X(aov) \
     X(chains) X(pssmlt) X(radiance) X(tonemap) X(denoise) X(mutations) X(mlt) X(learned) \
-    X(swarm) X(preview) X(view_http) X(view) X(browser)
+    X(swarm) X(swarm_subsets) X(preview) X(view_http) X(view) X(browser)
 #define DECLARE(name) extern const TestCase test_##name[];
 #define ENTRY(name) { #name, test_##name },
 SUITES(DECLARE)

@@ -304,7 +304,7 @@ static void seal(char *bytes, size_t n)
 static void broken(void)
 {
     static const char *const of[] = { "path", "sppm:k=8", "irradiancecache:overture=false,rays=16",
-                                      "light" };
+                                      "light", "swarm:passes=16,point=4,lens=4,direction=4" };
     Stopper stopper = { path_of("a.part"), 0, 0, 70, false };
     Rng rng = rng_seed(3);
     RenderSettings s;

@@ -359,116 +359,6 @@ static void threads(void)
     lab_clear(&l);
 }
 
-/* The scenes of [Cline07 figures 9.3 to 9.9, 9.11 to 9.14], small, with each subset of the seven
- * maps; by how much they might be off. */
-static const struct { const char *name, *options; double delta; } figures[] = {
-    { "swarm-time", "maxdepth=2", 0.2 }, { "swarm-lens", "maxdepth=2", 0.2 },
-    { "swarm-caustic", "maxdepth=4", 0.2 }, { "swarm-lights", "maxdepth=2", 0.2 },
-    { "swarm-glass", "maxdepth=7", 0.2 }, { "swarm-fog", "maxdepth=1", 0.2 },
-    { "swarm-probe", "maxdepth=3", 0.2 }, { "hare", "maxdepth=4", 0.4 },
-    { "paperweight", "maxdepth=6", 0.4 }, { "glasses", "maxdepth=10", 0.4 },
-    { "iguana", "maxdepth=3", 0.2 },
-};
-
-enum { SUBSETS = 1 << GUIDE_KINDS, OTHERS = 8 };
-
-/* The subsets that are looked at first: each map alone, each pair, all together, some others. */
-static void choose_first(bool first[SUBSETS])
-{
-    Rng r = rng_seed(9);
-
-    for (unsigned subset = 0; subset < SUBSETS; subset++) {
-        int maps = 0;
-        for (unsigned rest = subset; rest; rest &= rest - 1)
-            maps++;
-        first[subset] = maps == 1 || maps == 2 || maps == GUIDE_KINDS;
-    }
-    for (int i = 0; i < OTHERS; i++)
-        first[1 + rng_below(&r, SUBSETS - 1)] = true;
-}
-
-static void add_runs(Stat *st, const Series *s)
-{
-    for (uint32_t run = 0; run < RUNS; run++) {
-        double mean = 0;
-        for (uint32_t k = 0; k < s->tiles; k++)
-            mean += s->tile[k * RUNS + run] / s->tiles;
-        stat_add_block(st, mean, 1, 0);
-    }
-}
-
-/* Each subset tile by tile; a picture as small has little power as a whole, but those of all
- * subsets that have a map tell together whether it does what it should. */
-static void subsets_of(Lab *l, size_t k, const bool asked[SUBSETS])
-{
-    enum { NO_POWER = 100 };
-    char method[300], what[400];
-    Stat with[GUIDE_KINDS], all = { 0, 0, 0, 0, 0 };
-    Series truth, s;
-
-    memset(with, 0, sizeof with);
-    snprintf(method, sizeof method, "path:%s", figures[k].options);
-    series_render(l, &truth, method, 16, 64, 1);
-    add_runs(&all, &truth);
-    for (unsigned subset = 1; subset < SUBSETS; subset++) {
-        int n = snprintf(method, sizeof method, "swarm:%s", figures[k].options);
-        if (!asked[subset])
-            continue;
-        for (int map = 0; map < GUIDE_KINDS; map++)
-            n += snprintf(method + n, sizeof method - (size_t)n, ",%s=%d", guide_names[map],
-                          subset >> map & 1 ? 16 : 0);
-        snprintf(what, sizeof what, "%s, %s", figures[k].name, method);
-        series_render(l, &s, method, 16, 1, 2 + subset);
-        series_expect_same(&s, &truth, NO_POWER, what);
-        for (int map = 0; map < GUIDE_KINDS; map++)
-            if (subset >> map & 1)
-                add_runs(&with[map], &s);
-        series_clear(&s);
-    }
-    for (int map = 0; map < GUIDE_KINDS; map++) {
-        snprintf(what, sizeof what, "%s, all with %s", figures[k].name, guide_names[map]);
-        stat_expect_same(&with[map], &all, figures[k].delta, what);
-    }
-    series_clear(&truth);
-}
-
-static void subsets_in_all(const bool asked[SUBSETS])
-{
-    for (size_t k = 0; k < sizeof figures / sizeof *figures; k++) {
-        ReadLimits limits = READ_LIMITS_DEFAULT;
-        char path[80];
-        SceneFile f;
-        Lab l;
-        memset(&l, 0, sizeof l);
-        snprintf(path, sizeof path, "scenes/%s.pbrt", figures[k].name);
-        REQUIRE(scenefile_read(&f, path, &limits), "%s", path);
-        l.scene = f.scene;
-        lab_build(&l);
-        subsets_of(&l, k, asked);
-        l.scene = NULL;
-        lab_clear(&l);
-        scenefile_clear(&f);
-    }
-}
-
-static void subsets(void)
-{
-    bool first[SUBSETS];
-
-    choose_first(first);
-    subsets_in_all(first);
-}
-
-static void subsets_others(void)
-{
-    bool others[SUBSETS];
-
-    choose_first(others);
-    for (int i = 0; i < SUBSETS; i++)
-        others[i] = !others[i];
-    subsets_in_all(others);
-}
-
 const TestCase test_swarm[] = {
     { "directions", directions, false },
     { "coat", coat, false },
@@ -479,7 +369,5 @@ const TestCase test_swarm[] = {
     { "motion", motion, false },
     { "blurred", blurred, false },
     { "threads", threads, false },
-    { "subsets", subsets, true },
-    { "subsets_others", subsets_others, true },
     { NULL, NULL, false }
 };

@@ -215,10 +215,16 @@ static void save_floats(const float *v, size_t n, Saving *s)
         save_float(s, v[i]);
 }
 
-static void load_floats(float *v, size_t n, Loading *l)
+/* False: one is nothing that a map could have learned. */
+static bool load_floats(float *v, size_t n, Loading *l)
 {
-    for (size_t i = 0; i < n; i++)
+    bool sound = true;
+
+    for (size_t i = 0; i < n; i++) {
         v[i] = load_float(l);
+        sound = sound && v[i] >= 0.0f && v[i] <= LEARNED_MOST;
+    }
+    return sound;
 }
 
 /* Whether pixels to come may look at the maps at the column: of the row at hand, those done; of the
@@ -231,23 +237,27 @@ static bool is_wanted(const Band *b, bool above, uint32_t at_column)
     return above ? y > b->first && k + NEAR >= done : k < done;
 }
 
-/* How the maps that are wanted get into a file, or back. */
-typedef void (*MoveMaps)(float *maps, size_t n, void *file);
-static void to_file(float *maps, size_t n, void *file) { save_floats(maps, n, file); }
-static void from_file(float *maps, size_t n, void *file) { load_floats(maps, n, file); }
+/* How the maps that are wanted get into a file, or back; false: no further. */
+typedef bool (*MoveMaps)(float *maps, size_t n, void *file);
 
-static void move_maps(const Band *b, MoveMaps move, void *file)
+static bool to_file(float *maps, size_t n, void *file)
+{
+    save_floats(maps, n, file);
+    return true;
+}
+
+static bool from_file(float *maps, size_t n, void *file) { return load_floats(maps, n, file); }
+
+static bool move_maps(const Band *b, MoveMaps move, void *file)
 {
     uint32_t w = b->all->film->w, y = b->first + b->at / w;
+    size_t n = floats_of(b);
 
-    for (uint32_t x = 0; x < w; x++) {
-        if (is_wanted(b, false, x))
-            move(maps_at(b, y, x), floats_of(b), file);
-        if (is_wanted(b, true, x))
-            move(maps_at(b, y + 1, x), floats_of(b), file);     /* y + 1 is y - 1 by its last bit */
-    }
-    if (b->sums)
-        move(b->sums, b->all->film->tiles_x * floats_of(b), file);
+    for (uint32_t x = 0; x < w; x++)            /* y + 1 is y - 1 by its last bit */
+        if ((is_wanted(b, false, x) && !move(maps_at(b, y, x), n, file)) ||
+            (is_wanted(b, true, x) && !move(maps_at(b, y + 1, x), n, file)))
+            return false;
+    return !b->sums || move(b->sums, b->all->film->tiles_x * n, file);
 }
 
 void bands_save(const Bands *all, Saving *s)
@@ -278,8 +288,7 @@ static bool load_band(Bands *all, uint32_t unit, Loading *l)
     if (!b || at >= pixels_of(b))
         return false;
     b->at = at;
-    move_maps(b, from_file, l);
-    return !l->beyond;
+    return move_maps(b, from_file, l) && !l->beyond;
 }
 
 bool bands_load(Bands *all, Loading *l)
@@ -288,8 +297,8 @@ bool bands_load(Bands *all, Loading *l)
 
     for (uint32_t row = 0; all->tiles && row < all->ntiles_y; row++) {
         all->known[row] = load_u32(l) != 0;
-        if (all->known[row])
-            load_floats(all->tiles + row * of_row, of_row, l);
+        if (all->known[row] && !load_floats(all->tiles + row * of_row, of_row, l))
+            return false;
     }
     for (uint32_t i = 0; i < all->n; i++)
         if (!load_band(all, i, l))

@@ -11,6 +11,7 @@
 #define KEEP 0.5f
 #define MOST_BEFORE 10.0
 #define LITTLE 1e-12                    /* of the whole: what is forgotten comes to no denormals */
+#define WORTH_MOST 1e30f                /* of a pixel: then maps and their sums are finite */
 
 /* Cell of n that holds x. */
 static int cell_of(float x, int n)
@@ -79,7 +80,7 @@ void learned_merge(float *map, const float *worth, int cells, int n)
     double sum = sum_of(worth, cells), before = sum_of(map, cells);
     float keep = KEEP, little;
 
-    if (!(sum > 0.0) || !(sum < 1e38))
+    if (!(sum > 0.0) || !(sum < (double)WORTH_MOST))
         return;
     if (before > MOST_BEFORE * sum)
         keep *= (float)(MOST_BEFORE * sum / before);
@@ -87,7 +88,7 @@ void learned_merge(float *map, const float *worth, int cells, int n)
     for (int i = 0; i < cells; i++)
         map[i] = keep * map[i] + (worth[i] + little);
     for (int i = cells; i < n; i++)
-        map[i] = keep * map[i] + worth[i];
+        map[i] = keep * map[i] + f_min(worth[i], WORTH_MOST);
 }
 
 void learned_sum(float *sum, const float *a, int cells)

@@ -39,7 +39,9 @@ INLINE int learned_cells(LearnedShape s) { return s.w * s.h; }
 void learned_add(float *worth, LearnedShape s, V2 place, float square);
 
 /* Half of map, and worth, of n floats, the first of which are the map's cells. The worth is 0 in
- * all cells: the map is left as it is. */
+ * all cells, or more than maps may hold: the map is left as it is. No float of it, nor of sums of
+ * thousands of maps, gets beyond LEARNED_MOST. */
+#define LEARNED_MOST 1e34f
 void learned_merge(float *map, const float *worth, int cells, int n);
 
 /* mean[i] of n arrays, n >= 1. */
