@@ -347,6 +347,35 @@ static void broken(void)
     lab_clear(&l);
 }
 
+/* What no map can have learned is refused, or who draws by it may never find a place. The last
+ * float of a band amid a pass is one of a map. */
+static void unlearned(void)
+{
+    static const float of[] = { INFINITY - INFINITY, -1.0f, INFINITY, 1e38f, 2.0f };
+    Stopper stopper = { path_of("a.part"), 0, 0, 7, false };
+    RenderSettings s;
+    Film film;
+    char *bytes;
+    size_t n;
+    Lab l;
+
+    small_scene(&l);
+    picture_settings(&l, &s, "swarm:direction=4", 5, 4, 8);
+    REQUIRE(render_to(&l, &s, NULL, &stopper, &film), "no state");
+    film_clear(&film);
+    bytes = read_all(path_of("a.part"), &n);
+    REQUIRE(freopen("/dev/null", "w", stderr), "no room");
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        for (int i = 0; i < 4; i++)
+            bytes[n - 12 + (size_t)i] = (char)(bits_of_float(of[k]) >> 8 * i);
+        seal(bytes, n);
+        REQUIRE(file_write(path_of("b.part"), bytes, n), "b.part");
+        EXPECT(resumes(&l, &s, path_of("b.part")) == (of[k] == 2.0f), "%g", (double)of[k]);
+    }
+    free(bytes);
+    lab_clear(&l);
+}
+
 /* ---- shares ---- */
 
 static void keep_last(void *ctx, const Job *job, const Film *f, const RenderReport *r, bool last)
@@ -462,6 +491,7 @@ const TestCase test_state[] = {
     { "policies", policies, false },
     { "other_renders", other_renders, false },
     { "plans", plans, false },
+    { "unlearned", unlearned, false },
     { "broken", broken, false },
     { NULL, NULL, false }
 };

@@ -73,7 +73,8 @@ static const char MOVING[] =
 typedef struct {
     Lab     lab;
     GuidePlan plan;
-    Guide  *guide;
+    Guide  *guide;              /* owned */
+    float  *maps;               /* owned */
     Tracer  tracer;
     Vertex  v;
     LightSampler *lights;
@@ -88,7 +89,6 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
     Opts none;
     Ray r = ray_towards(eye, at);
     Beam b;
-    float *maps;
     Rng rng = rng_seed(1);
 
     memset(n, 0, sizeof *n);
@@ -97,24 +97,24 @@ static void lesson_init(Lesson *n, void (*add)(Lab *l), V3 eye, V3 at)
     lab_build(&n->lab);
     guide_plan(&n->plan, n->lab.scene, ALL, 1, 0.5f, false);
     n->guide = guide_new(&n->plan);
+    n->maps = MEM_ARRAY(float, n->plan.floats);
     n->lights = lightsampler_open("power", n->lab.scene);
     opts_default(&none, kind_info(samplers, 0)->options);
     n->tracer.scene = n->lab.scene;
-    REQUIRE(n->guide && n->lights &&
+    REQUIRE(n->guide && n->maps && n->lights &&
             sampler_init(&n->tracer.sampler, kind_find(samplers, "random"), &none, 7, &spp),
             "open");
-    maps = guide_maps(n->guide);
-    guide_forget(&n->plan, maps);
+    guide_forget(&n->plan, n->maps);
     for (int m = 0; m < GUIDE_MAPS; m++) {
         int cells = learned_cells(n->plan.shape[m]);
-        float *mass = maps + n->plan.at[m];
+        float *mass = n->maps + n->plan.at[m];
         for (int i = 0; i < cells && m != GUIDE_BIFURCATION; i++)
             mass[i] = rng_unit(&rng) < 0.2f ? 9 * rng_unit(&rng) : 0.01f;
         for (int k = 0; cells && k < GUIDE_LEVELS; k++)
             mass[cells + k] = 1.0f / (float)(1 + k);    /* the more of the map the better */
     }
     REQUIRE(vertex_meet(&n->v, &r, &n->tracer), "a vertex");
-    guide_pixel(n->guide, &n->tracer, 0, 0);
+    guide_pixel(n->guide, &n->tracer, n->maps, 0, 0);
     sampler_start(&n->tracer.sampler, 0);
     b = beam_from_eye(&r, n->lab.scene);
     guide_starts(n->guide, &b);
@@ -125,6 +125,7 @@ static void lesson_clear(Lesson *n)
 {
     guide_learns(n->guide, &n->tracer);
     guide_free(n->guide);
+    mem_free(n->maps);
     lightsampler_close(n->lights);
     lab_clear(&n->lab);
 }

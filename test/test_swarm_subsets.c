@@ -212,8 +212,8 @@ static void expect_use(Lab *l, const Figure *f, unsigned maps)
     EXPECT(same_bits(l, f, all & ~maps, 0), "%s: maps without use do something", f->name);
     EXPECT(same_bits(l, f, all, maps), "%s: maps without use do something", f->name);
     for (int map = 0; map < GUIDE_KINDS; map++)
-        EXPECT(!((maps & ~f->idle) >> map & 1) || !same_bits(l, f, 1u << map, 0), "%s: %s does nothing",
-               f->name, guide_names[map]);
+        EXPECT(!((maps & ~f->idle) >> map & 1) || !same_bits(l, f, 1u << map, 0),
+               "%s: %s does nothing", f->name, guide_names[map]);
 }
 
 /* The subset by itself (one: all its maps, and no others), or pools. */

@@ -111,10 +111,9 @@ Guide *guide_new(const GuidePlan *p)
     if (!g)
         return NULL;
     g->plan = p;
-    g->maps = MEM_ARRAY(float, p->floats);
     g->worth = MEM_ARRAY(float, p->floats);
     g->room = MEM_ARRAY(float, p->rooms);
-    if (!g->maps || !g->worth || !g->room) {
+    if (!g->worth || !g->room) {
         guide_free(g);
         return NULL;
     }
@@ -125,7 +124,6 @@ void guide_free(Guide *g)
 {
     if (!g)
         return;
-    mem_free(g->maps);
     mem_free(g->worth);
     mem_free(g->room);
     mem_free(g);
@@ -184,6 +182,7 @@ static void guided_start(Sampler *s)
     memset(g->fork, 0, sizeof g->fork);
     g->pending = g->point_density = 1.0f;
     g->order = g->here = g->direction = g->forked = -1;
+    g->met = NULL;
     g->depth = 0;
 }
 
@@ -214,12 +213,11 @@ static int best_level(int map, const float *moment)
     return best;
 }
 
-float *guide_maps(Guide *g) { return g->maps; }
-
-void guide_pixel(Guide *g, Tracer *t, uint32_t x, uint32_t y)
+void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y)
 {
     const GuidePlan *p = g->plan;
 
+    g->maps = maps;
     g->inner = t->sampler;
     t->sampler.kind = &guided;
     t->sampler.state = g;

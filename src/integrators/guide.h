@@ -80,11 +80,9 @@ void   guide_free(Guide *g);
 
 /* ---- pixel by pixel ---- */
 
-/* The floats of the pixel to come, to be filled before guide_pixel. */
-float *guide_maps(Guide *g);
-/* From now on *t is guided, until guide_learns, after the pixel's last sample: then guide_maps has
- * what others may go by. */
-void guide_pixel(Guide *g, Tracer *t, uint32_t x, uint32_t y);
+/* From now on *t is guided, by the pixel's maps, until guide_learns, after its last sample: then
+ * they have what others may go by. */
+void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y);
 void guide_learns(Guide *g, Tracer *t);
 
 /* ---- for whoever builds paths ----
@@ -105,7 +103,7 @@ const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, 
 float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const Light *l);
 /* What the density of a direction to a light is multiplied by, because of its point's number, where
  * the light knows that of every direction; else 1. */
-float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi);
+float guide_point_pdf(Guide *g, const Light *l, bool beside, V3 wi);
 /* For the sample of a light that was asked for: into *pdf as well; else into what it brings. */
 void  guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf);
 

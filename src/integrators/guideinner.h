@@ -20,7 +20,8 @@ typedef struct { bool used, refracts; float before; } Fork;
 struct Guide {
     const GuidePlan *plan;      /* borrowed */
     Sampler inner;              /* the pixel's own */
-    float  *maps, *worth;       /* owned: of the pixel; what its samples were worth */
+    float  *maps;               /* borrowed: of the pixel */
+    float  *worth;              /* owned: what its samples were worth */
     float  *room;               /* owned: of inverted tables */
     Inverted table[GUIDE_MAPS];
     float   share[GUIDE_MAPS];  /* of what is by the map, the remainder being as without */
@@ -28,6 +29,9 @@ struct Guide {
     Fork    fork[FORKS_MOST];
     float   pending;            /* over the density of warped numbers, not yet in the throughput */
     float   point_density;
+    const Light *met;           /* borrowed: the light that was asked last for the number of a */
+    V3      met_wi;             /* direction, this one: */
+    V2      met_number;
     int     order, here;        /* of vertices that are guided; here: -1, this one is not */
     int     depth;              /* of the vertex at hand */
     int     direction, forked;  /* decided at this event: a map's number, a fork's; -1: not */

@@ -82,21 +82,37 @@ const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, 
     return l;
 }
 
-float guide_point_pdf(const Guide *g, const Light *l, bool beside, V3 wi)
+/* The number of a direction to a light, in the map of the vertex; the last answer is kept, as
+ * weights and what is learned ask for the same. False: nobody knows, or there is no such map. */
+static bool number_of(Guide *g, const Light *l, bool beside, V3 wi, int *map, V2 *u)
 {
-    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    bool asked = g->met == l && g->met_wi.x == wi.x && g->met_wi.y == wi.y &&
+                 g->met_wi.z == wi.z;
+
+    *map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
+    if (*map < 0 || !guide_has(g, *map) || !l->kind->numbers)
+        return false;
+    if (!asked && !l->kind->numbers(l, beside, wi, &g->met_number))
+        return false;
+    g->met = l;
+    g->met_wi = wi;
+    *u = g->met_number;
+    return true;
+}
+
+float guide_point_pdf(Guide *g, const Light *l, bool beside, V3 wi)
+{
+    int map;
     V2 u;
 
-    if (map < 0 || !guide_has(g, map) || !l->kind->numbers || !l->kind->numbers(l, beside, wi, &u))
-        return 1.0f;
-    return inverted_density(&g->table[map], u);
+    return number_of(g, l, beside, wi, &map, &u) ? inverted_density(&g->table[map], u) : 1.0f;
 }
 
 void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, float *pdf)
 {
-    V2 u;
-
-    if (l->kind->numbers && l->kind->numbers(l, beside, s->wi, &u))
+    if (g->point_density == 1.0f)
+        return;
+    if (l->kind->numbers && l->kind->numbers(l, beside, s->wi, NULL))
         *pdf *= g->point_density;
     else
         s->L = rgb_scale(s->L, 1.0f / g->point_density);
@@ -104,10 +120,10 @@ void guide_points(const Guide *g, const Light *l, bool beside, LightSample *s, f
 
 void guide_met(Guide *g, const Light *l, bool beside, V3 wi, float density, Rgb light)
 {
-    int map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
     float value = rgb_lum(light);
+    int map;
     V2 u;
 
-    if (map >= 0 && guide_has(g, map) && l->kind->numbers && l->kind->numbers(l, beside, wi, &u))
+    if (number_of(g, l, beside, wi, &map, &u))
         learned_add(g->worth + g->plan->at[map], g->plan->shape[map], u, value * value * density);
 }

@@ -22,10 +22,10 @@ static float density_w(float density, float sine)
     return sine > 0.0f ? density / (2.0f * PI_F * PI_F * sine) : 0.0f;
 }
 
-static float map_pdf_w(const Guide *g, int map, V3 w)
+static float map_pdf_w(const Guide *g, int map, V3 w, V2 place)
 {
     float sine = sqrtf(w.x * w.x + w.y * w.y);
-    return density_w(inverted_density(&g->table[map], place_of(w)), sine);
+    return density_w(inverted_density(&g->table[map], place), sine);
 }
 
 static V3 direction_at(V2 place)
@@ -43,16 +43,30 @@ static bool guides_direction(const Guide *g)
            g->share[guide_map(GUIDE_DIRECTION, g->here)] > 0.0f;
 }
 
+/* (9.2) */
+static float both(const Guide *g, int map, float by_map, float own)
+{
+    return g->share[map] * by_map + (1.0f - g->share[map]) * own;
+}
+
 float guide_pdf_w(const Guide *g, V3 wi, float own)
 {
-    float share;
     int map;
 
     if (!guides_direction(g))
         return own;
     map = guide_map(GUIDE_DIRECTION, g->here);
-    share = g->share[map];
-    return share * map_pdf_w(g, map, wi) + (1.0f - share) * own;
+    return both(g, map, map_pdf_w(g, map, wi, place_of(wi)), own);
+}
+
+/* Density of a direction by the map, which is noted with its place: to look for both takes long. */
+static float noted_pdf_w(Guide *g, int map, V3 wi)
+{
+    Decided *d = &g->decided[map];
+
+    d->place = place_of(wi);
+    d->map = map_pdf_w(g, map, wi, d->place);
+    return d->map;
 }
 
 /* A direction by the map, as if the vertex had made it. */
@@ -66,7 +80,7 @@ static bool scatters_by_map(Guide *g, const Vertex *v, V2 u, BsdfSample *s, floa
     if (!vertex_local(v, s->wi, &local))
         return false;
     own = vertex_pdf_w(v, local);
-    s->pdf_w = guide_pdf_w(g, s->wi, own);
+    s->pdf_w = both(g, map, noted_pdf_w(g, map, s->wi), own);
     s->weight = rgb_scale(vertex_f_cos(v, local), 1.0f / s->pdf_w);
     s->flags = BSDF_SMOOTH | (same_side(local, v->wo) ? BSDF_REFLECT : BSDF_TRANSMIT);
     s->eta = 1.0f;
@@ -78,16 +92,17 @@ static bool scatters_by_map(Guide *g, const Vertex *v, V2 u, BsdfSample *s, floa
 static bool scatters_beside_map(Guide *g, const Vertex *v, Tracer *t, int at, BsdfSample *s,
                                 float *thinned)
 {
+    int map = guide_map(GUIDE_DIRECTION, g->here);
     float own;
 
     if (!vertex_sample(v, t, at, s))
         return false;
     own = s->pdf_w;
     if (own > 0.0f) {
-        s->pdf_w = guide_pdf_w(g, s->wi, own);
+        s->pdf_w = both(g, map, noted_pdf_w(g, map, s->wi), own);
         *thinned = s->pdf_w / own;
     } else
-        *thinned = 1.0f - g->share[guide_map(GUIDE_DIRECTION, g->here)];
+        *thinned = 1.0f - g->share[map];
     s->weight = rgb_scale(s->weight, 1.0f / *thinned);
     return true;
 }
@@ -152,21 +167,34 @@ static bool forks(const Guide *g, const Vertex *v, int at, BsdfSample e[BSDF_DEL
            e[0].flags & BSDF_REFLECT && e[1].flags & BSDF_TRANSMIT;
 }
 
-/* How the direction could have come about. */
-static void note_direction(Guide *g, const BsdfSample *s)
+/* How the direction could have come about, where its place is noted. */
+static void note_direction(Guide *g, int map, const BsdfSample *s)
 {
-    int map = guide_map(GUIDE_DIRECTION, g->here);
-    float share = g->share[map], by_map = map_pdf_w(g, map, s->wi);
+    Decided *d = &g->decided[map];
+    float share = g->share[map];
 
+    d->used = true;
+    d->own = f_max((s->pdf_w - share * d->map) / (1.0f - share), 0.0f);
     g->direction = map;
-    g->decided[map] = (Decided){ .used = true, .place = place_of(s->wi), .map = by_map,
-                                 .own = f_max((s->pdf_w - share * by_map) / (1.0f - share), 0.0f) };
+}
+
+/* By its own chances, of which a map shall learn. */
+static bool scatters_unguided(Guide *g, const Vertex *v, Tracer *t, int at, BsdfSample *s)
+{
+    int map = g->here >= 0 ? guide_map(GUIDE_DIRECTION, g->here) : -1;
+
+    if (!vertex_sample(v, t, at, s))
+        return false;
+    if (map >= 0 && guide_has(g, map) && s->pdf_w > 0.0f)
+        noted_pdf_w(g, map, s->wi);
+    return true;
 }
 
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s)
 {
     BsdfSample e[BSDF_DELTAS];
     float thinned = 1.0f;
+    int map = g->here >= 0 ? guide_map(GUIDE_DIRECTION, g->here) : -1;
     bool goes_on;
 
     if (forks(g, v, b->depth, e))
@@ -174,11 +202,11 @@ bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s
     else if (guides_direction(g))
         goes_on = scatters_smoothly(g, v, t, b->depth, s, &thinned);
     else
-        goes_on = vertex_sample(v, t, b->depth, s);
+        goes_on = scatters_unguided(g, v, t, b->depth, s);
     if (!goes_on)
         return false;
     b->eta2 *= thinned;
-    if (g->here >= 0 && s->pdf_w > 0.0f && guide_has(g, guide_map(GUIDE_DIRECTION, g->here)))
-        note_direction(g, s);
+    if (map >= 0 && guide_has(g, map) && s->pdf_w > 0.0f)
+        note_direction(g, map, s);
     return true;
 }

@@ -74,7 +74,7 @@ static void take_pixel(const Band *b, uint32_t column, uint32_t y, const Batch *
                        const Taker *taker)
 {
     const float *of[NEIGHBOURS + BEFORE];
-    float *maps = guide_maps(b->guide);
+    float *maps = maps_at(b, y, column);
     uint32_t x = b->all->film->x0 + column;
     int count = neighbours(b, column, y, of);
 
@@ -83,11 +83,10 @@ static void take_pixel(const Band *b, uint32_t column, uint32_t y, const Batch *
     if (!count)
         of[count++] = b->none;
     learned_mean(maps, of, count, b->all->plan.floats);
-    guide_pixel(b->guide, taker->tracer, x, y);
+    guide_pixel(b->guide, taker->tracer, maps, x, y);
     for (uint32_t i = 0; i < s->n; i++)
         taker->take(taker->ctx, taker->tracer, x, y, s->first + i, s->keep);
     guide_learns(b->guide, taker->tracer);
-    memcpy(maps_at(b, y, column), maps, floats_of(b) * sizeof *maps);
     if (b->sums && s->keep)
         learned_sum(tile_at(b, b->sums, x), maps, b->all->plan.floats);
 }

@@ -97,15 +97,20 @@ void learned_sum(float *sum, const float *a, int cells)
         sum[i] += a[i];
 }
 
+/* Piece by piece, each of which stays in the fastest memory until it is done. */
 void learned_mean(float *mean, const float *const *of, int n, int cells)
 {
+    enum { PIECE = 1024 };
     float share = 1.0f / (float)n;
 
-    memcpy(mean, of[0], (size_t)cells * sizeof *mean);
-    for (int k = 1; k < n; k++)
-        learned_sum(mean, of[k], cells);
-    for (int i = 0; i < cells; i++)
-        mean[i] *= share;
+    for (int at = 0; at < cells; at += PIECE) {
+        int m = cells - at < PIECE ? cells - at : PIECE;
+        memcpy(mean + at, of[0] + at, (size_t)m * sizeof *mean);
+        for (int k = 1; k < n; k++)
+            learned_sum(mean + at, of[k] + at, m);
+        for (int i = at; i < at + m; i++)
+            mean[i] *= share;
+    }
 }
 
 /* ---- inverted ---- */
@@ -127,25 +132,45 @@ static void running_sums(float *sum, int n, float part, float even)
         sum[i] = x += part * sum[i] + even;
 }
 
+/* The same of four rows that follow each other: each sum waits for the one before it, but not for
+ * those of other rows. */
+enum { ROWS = 4 };
+static void running_sums_of_rows(float *sum, int n, float part, float even)
+{
+    float *a = sum, *b = a + n + 1, *c = b + n + 1, *d = c + n + 1;
+    float x = 0.0f, y = 0.0f, z = 0.0f, w = 0.0f;
+
+    a[0] = b[0] = c[0] = d[0] = 0.0f;
+    for (int i = 1; i <= n; i++) {
+        a[i] = x += part * a[i] + even;
+        b[i] = y += part * b[i] + even;
+        c[i] = z += part * c[i] + even;
+        d[i] = w += part * d[i] + even;
+    }
+}
+
 void inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, float *room)
 {
     double all = 0.0;
-    float even;
+    float even, scale;
+    int y = 0;
 
     t->shape = s;
     t->mass = mass;
     t->row = room;
     t->cell = room + s.h + 1;
-    for (int y = 0; y < s.h; y++)
+    for (y = 0; y < s.h; y++)
         all += take_roots(t->cell + y * (s.w + 1), mass + y * s.w, s.w);
     t->alone = all > 0.0 ? (float)(learned_cells(s) / all) : 0.0f;
     even = (all > 0.0 ? 1.0f - part : 1.0f) / (float)learned_cells(s);
+    scale = part * t->alone / (float)learned_cells(s);
+    for (y = 0; y + ROWS <= s.h; y += ROWS)
+        running_sums_of_rows(t->cell + y * (s.w + 1), s.w, scale, even);
+    for (; y < s.h; y++)
+        running_sums(t->cell + y * (s.w + 1), s.w, scale, even);
     t->row[0] = 0.0f;
-    for (int y = 0; y < s.h; y++) {
-        float *sum = t->cell + y * (s.w + 1);
-        running_sums(sum, s.w, part * t->alone / (float)learned_cells(s), even);
-        t->row[y + 1] = t->row[y] + sum[s.w];
-    }
+    for (y = 0; y < s.h; y++)
+        t->row[y + 1] = t->row[y] + t->cell[y * (s.w + 1) + s.w];
 }
 
 /* The last i with sum[i] <= x, for 0 <= x < sum[n]: its share is not empty. */

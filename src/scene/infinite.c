@@ -155,7 +155,8 @@ static bool numbers(const Light *base, bool beside, V3 wi, V2 *u)
 
     if (!has_bright(l))
         return false;
-    *u = panorama_numbers(&l->picture, beside, affine_vector(&l->to_light, wi));
+    if (u)
+        *u = panorama_numbers(&l->picture, beside, affine_vector(&l->to_light, wi));
     return true;
 }
 

@@ -167,7 +167,8 @@ typedef struct {
     bool (*sample_beside)(const Light *l, V3 from, V2 u, LightSample *s);
     float (*pdf_beside)(const Light *l, V3 from, V3 wi, const Surface *hit);
     /* The numbers u by which sample, or sample_beside, gives a direction wi to light from beyond
-     * the scene, but for rounding. False, and so for every direction: nobody knows; NULL: too. */
+     * the scene, but for rounding. False, and so for every direction: nobody knows; NULL: too.
+     * u NULL: only whether anybody does. */
     bool (*numbers)(const Light *l, bool beside, V3 wi, V2 *u);
     /* Radiance that the light sends along -wi; hit as above. 0 for delta lights. */
     Rgb (*radiance)(const Light *l, V3 wi, const Surface *hit);
