@@ -377,13 +377,13 @@ static double roughness(const LightPath *p)
     return sum;
 }
 
-static void compare_routes(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void compare_routes(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Routes *c = ctx;
     LightPath x, y;
     Rooms rooms, spare;
 
-    (void)scale;
+    (void)by, (void)scale;
     rooms_open(&rooms);
     rooms_open(&spare);
     path_copies(&x, p, rooms.at, c->w->lab.scene);
@@ -457,13 +457,14 @@ static int state_of(Mutation m, const LightPath *p)
     return (p->pixel.x < SIDE / 2) + 2 * (p->pixel.y < SIDE / 2) + 4 * (d.x < 0);
 }
 
-static void flow_once(void *ctx, const LightPath *x, double scale, Tracer *t)
+static void flow_once(void *ctx, const LightPath *x, int by, double scale, Tracer *t)
 {
     Flows *f = ctx;
     double e = rgb_lum(x->colour) * scale;
     LightPath y;
     Rooms rooms;
 
+    (void)by;
     if (!mutation_applies(f->only, x))
         return;
     rooms_open(&rooms);
@@ -521,12 +522,12 @@ static void balance(void)
 
 typedef struct { Stat of[EVENTS + 2]; double sum[EVENTS + 2], largest[EVENTS + 2]; } ByEdges;
 
-static void add_to_edges(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void add_to_edges(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     ByEdges *b = ctx;
     double light = rgb_lum(p->colour) * scale;
 
-    (void)t;
+    (void)by, (void)t;
     b->sum[p->edges] += light;
 }
 

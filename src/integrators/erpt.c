@@ -16,12 +16,13 @@
  * q           min(1, F(y) T(y>x) / (F(x) T(x>y))), by mutations.h. F is the measurement, not the
  *             sampler's estimate, errata 8.3.
  * Samples     stand one in each pixel's part of the picture, in every pass; each pass by itself is
- *             right, errata 8.1. All ways to complete a path give samples, weighed against each
- *             other.
+ *             right, errata 8.1. All ways to make a path, from the eye and from both ends, give
+ *             samples, weighed against each other, see bothpaths.h; those that a lamp shows to the
+ *             lens come where they do.
  * Departs     Of each move of equal flow both ends get their part of e_d, q and 1 - q: the mean
  *             over the decision. */
+#include "integrators/bothpaths.h"
 #include "integrators/direct.h"
-#include "integrators/eyepaths.h"
 #include "integrators/mutations.h"
 #include "integrators/proposals.h"
 
@@ -34,7 +35,7 @@ enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack *
 
 typedef struct {
     Integrator base;
-    EyePaths eye;
+    BothPaths paths;
     Mutator mutator;
     LightSampler *lights;       /* owned */
     Integrator *direct;         /* owned; NULL: direct light is redistributed, too */
@@ -49,7 +50,6 @@ typedef struct {
     uint64_t samples;           /* that tell e_d */
     double found[UNITS];        /* energy of each unit of them */
     double deposit;             /* e_d; 0: no light was found */
-    float pixels;               /* of the whole picture */
     uint32_t x0, y0, w, h;      /* window of the film */
 } Erpt;
 
@@ -59,7 +59,7 @@ typedef struct {
 static double energy(const Erpt *it, const LightPath *p, double scale, const Tracer *t)
 {
     Places where = mutator_places(&it->mutator, t);
-    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->pixels);
+    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->paths.pixels);
 
     return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
 }
@@ -199,11 +199,12 @@ static void redistribute(const Erpt *it, const LightPath *p, double e, Rng *r, T
 /* What is done with each path that a sample finds. */
 typedef struct { const Erpt *it; Rng r; double found; } Use;
 
-static void used(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void used(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Use *u = ctx;
     double e = energy(u->it, p, scale, t);
 
+    (void)by;
     u->found += e;
     if (e > 0.0 && u->it->deposit > 0.0)
         redistribute(u->it, p, e, &u->r, t);
@@ -215,12 +216,15 @@ static double sample_at(const Erpt *it, float x, float y, Tracer *t)
 {
     Places where = mutator_places(&it->mutator, t);
     Use use = { it, { key_with(t->sampler.key, t->sampler.index), 0 }, 0.0 };
+    Vertex storage[LIGHTPATH_MOST], *back[LIGHTPATH_MOST];
     Roomy s;
 
+    for (int i = 0; i < LIGHTPATH_MOST; i++)
+        back[i] = &storage[i];
     roomy_opens(&s);
     s.p.pixel = (V2){ where.lo.x + x * where.size.x, where.lo.y + y * where.size.y };
     eyepath_begins(it->base.scene, &s.p, t);
-    eyepath_traced(&it->eye, &s.p, s.rooms, t, used, &use);
+    bothpath_traced(&it->paths, &s.p, s.rooms, back, where, t, used, &use);
     return use.found;
 }
 
@@ -277,7 +281,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
 
     (void)seed;
     mutator_prepare(&it->mutator, f);
-    it->pixels = (float)f->full_w * (float)f->full_h;
+    it->paths.pixels = (float)f->full_w * (float)f->full_h;
     it->x0 = f->x0;
     it->y0 = f->y0;
     it->w = f->w;
@@ -326,6 +330,7 @@ static void close_erpt(Integrator *base)
     if (it->proposals)
         proposals_clear(it->proposals);
     mem_free(it->proposals);
+    bothpaths_close(&it->paths);
     lightsampler_close(it->lights);
     mem_free(it);
 }
@@ -366,11 +371,12 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->samples = SAMPLES;
     set_flow(it, o);
     it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
-    it->eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
-                          (int)opt_int(o, "roulette") };
+    it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
+                                (int)opt_int(o, "roulette") };
+    it->paths.least = direct ? 3 : 1;
     it->direct = direct ? direct_open(s, o) : NULL;
-    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "erpt") &&
-        set_filters(it, o))
+    if (it->lights && bothpaths_open(&it->paths, s, opt_bool(o, "lamps")) &&
+        (!direct || it->direct) && warn_of_scattering(s, "erpt") && set_filters(it, o))
         return &it->base;
     close_erpt(&it->base);
     return NULL;
@@ -385,6 +391,7 @@ static const OptDef options[] = {
       .help = "how energy goes from a sample to paths beside it" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "direct light is apart, as that of the integrator direct" },
+    BOTHPATHS_OPTION,
     { .key = "choice", .type = OPT_CHOICE, .str = "mixed", .choices = "mixed exclusive",
       .help = "exclusive: caustic perturbations where light comes by delta events, and nowhere "
               "else, as in the source" },
@@ -411,8 +418,9 @@ const IntegratorKind integrator_erpt = {
     .info = { "erpt", "Cline07 8", "samples of a path tracer, spread by chains of moved paths",
               options },
     .truth = UNBIASED,
-    .misses = "point and distant lights seen through delta surfaces; light that media scatter; "
-              "with filters of noise (even, repeats) it is biased",
+    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: all "
+              "of that light through them); light that media scatter; with filters of noise "
+              "(even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish,
     .save = save_erpt, .load = load_erpt, .keeps_all = true
