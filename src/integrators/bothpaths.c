@@ -218,8 +218,9 @@ static void join(const Both *b, int j, int i, const Walk *w, double let, Tracer 
 static void join_all(const Both *b, int i, const Walk *w, double let, Tracer *t)
 {
     int after = b->q.edges - i, most = b->it->eye.maxdepth - after;
+    int least = b->it->least - after - 1, last = most < b->how.met ? most : b->how.met;
 
-    for (int j = most < b->how.met ? most : b->how.met; j >= 0 && j + 1 + after >= b->it->least; j--)
+    for (int j = least > 0 ? least : 0; j <= last; j++)
         if (j == 0 || vertex_is_smooth(b->p->v[j].at))
             join(b, j, i, w, let, t);
 }

@@ -1,5 +1,5 @@
-/* bothpaths.h -- paths by chance from both ends, each with all its vertices: what eyepaths.h is from
- * the eye alone.
+/* bothpaths.h -- paths by chance from both ends, each with all its vertices: what eyepaths.h is
+ * from the eye alone.
  *
  * Source      [Cline07 7.9, 7.10, 7.12.1 "new path mutations"; errata 7.3, 7.10], [Veach97 10.2,
  *             11.4.2].
@@ -9,15 +9,15 @@
  * Density     of way j+1, in the measure of the eye [Veach97 (8.9)]:
  *                 prod_{i<j} c_i  *  p_l prod_{i>j+1} c*_i  / J,
  *             c_i and c*_i being chances of what happens at vertex i by the eye and by the lamp,
- *             p_l the density of the lamp's point and direction, and J the change from what the lamp
- *             draws to directions as the eye has them, path_turn of all vertices from j+1 on,
- *             path_ending, and 1 / d^2 of the edge that joins, or path_lens.
+ *             p_l the density of the lamp's point and direction, and J the change from what the
+ *             lamp draws to directions as the eye has them, path_turn of all vertices from j+1
+ *             on, path_ending, and 1 / d^2 of the edge that joins, or path_lens.
  * Traced      bothpath_traced follows one path from each end and joins them in all ways, weighed by
  *             the balance heuristic over all of them.
  * Single      bothpath_new makes one path of a given number of edges in a given way.
  * Missing     A lamp that is a point, or shines in one direction, and is seen from the last smooth
- *             vertex by delta events alone, is found from the lamp only: so if the eye also sees that
- *             vertex by delta events alone, by no way. */
+ *             vertex by delta events alone, is found from the lamp only: so if the eye also sees
+ *             that vertex by delta events alone, by no way. */
 #ifndef INTEGRATORS_BOTHPATHS_H
 #define INTEGRATORS_BOTHPATHS_H
 

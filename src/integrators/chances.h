@@ -2,9 +2,9 @@
  * also of one that was not found this way.
  *
  * Source      [Cline07 8.4.1, appendix 8A], [Veach97 11.4.2].
- * Choice      Models do not tell the probabilities of their delta events, so it is decided here: by
- *             the energy that each carries, the smooth part getting what the albedo leaves. A smooth
- *             direction that the model answers with a delta event is lost.
+ * Choice      Models do not tell the probabilities of their delta events, so it is decided here:
+ *             by the energy that each carries, the smooth part getting what the albedo leaves. A
+ *             smooth direction that the model answers with a delta event is lost.
  * Sides       The same from the eye and from the light: only that to which side the vertex has come
  *             from differs. Names of events are those of path_deltas, the same from both. */
 #ifndef INTEGRATORS_CHANCES_H

@@ -418,8 +418,8 @@ const IntegratorKind integrator_erpt = {
     .info = { "erpt", "Cline07 8", "samples of a path tracer, spread by chains of moved paths",
               options },
     .truth = UNBIASED,
-    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: all "
-              "of that light through them); light that media scatter; with filters of noise "
+    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: "
+              "all of that light through them); light that media scatter; with filters of noise "
               "(even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish,

@@ -373,8 +373,8 @@ const IntegratorKind integrator_mlt = {
     .info = { "mlt", "Veach97 11; Cline07 7.11, 7.12",
               "chains of paths that move about the picture", options },
     .truth = CONSISTENT,
-    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: all "
-              "of that light through them); light that media scatter",
+    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: "
+              "all of that light through them); light that media scatter",
     .open = open_mlt, .close = close_mlt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = CHAINS_PHASES, .anew = true, .units = units, .run = chains_run,
     .save = save_mlt, .load = load_mlt, .keeps_all = true

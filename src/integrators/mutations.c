@@ -231,7 +231,8 @@ static bool moved_from_light(const Mutator *it, int at, const LightPath *x, Ligh
     if (!path_arrives_back(y, at, &w, rooms[at], t))
         return false;
     if (at == 1)
-        return path_reaches_lens(y, mutator_places(it, t), &w, &c, t) && path_turned_round(y, 1, start - 1, &c);
+        return path_reaches_lens(y, mutator_places(it, t), &w, &c, t) &&
+               path_turned_round(y, 1, start - 1, &c);
     vertex_make(rooms[at], it->scene, w.ray.d);
     y->v[at].medium = w.medium;
     return path_turned_round(y, at, start - 1, NULL) && path_is_clear(y, at - 1, t);

@@ -29,9 +29,10 @@
  *                 inner             the same with 1 / d^2 in place of what the lens has.
  *             From the light's side the weight of a vertex is |cos_o| / |cos_i| times that from the
  *             eye's, and for refraction eta^2 |wi.ns| / |wo.ns| times that: [Veach97 5.2, 5.3].
- * Deltas      Light of a point, or from one direction, that comes by delta events to its first smooth
- *             vertex has no density over directions there: what is said of such paths is per
- *             direction, or place, at the lamp, so nothing moves them that would have to meet it.
+ * Deltas      Light of a point, or from one direction, that comes by delta events to its first
+ *             smooth vertex has no density over directions there: what is said of such paths is
+ *             per direction, or place, at the lamp, so nothing moves them that would have to meet
+ *             it.
  * Symmetry    Offsets depend on the distance alone between old and new, on the plane of the picture
  *             or across the light, and by the angle between directions: so the chance is the same
  *             both ways. */
@@ -51,8 +52,8 @@ typedef struct {
     bool  always_caustic;       /* where light comes by delta events: nothing but that, 8.4.3 */
     float nearest, farthest;    /* on the picture, pixels, fig. 7.25; */
     float square;               /* or uniform in a square of this side; 0: not */
-    float least, most;          /* angles, radians, fig. 7.26; radii of the scene for what comes from
-                                 * beyond it */
+    float least, most;          /* angles, radians, fig. 7.26; of what comes from beyond the scene
+                                 * ways to the side, in radii of the scene */
     V2    lo, hi;               /* the film's window */
 } Mutator;
 
