@@ -280,6 +280,77 @@ void bothpath_traced(const BothPaths *it, LightPath *p, Vertex *const *rooms, Ve
     follow_lamp(&b, back, t);
 }
 
+/* ---- by chances of edges and ways ---- */
+
+static int most_edges(const BothPaths *it) { return it->eye.maxdepth + 1; }
+
+void byway_add(const BothPaths *it, ByWay *to, const ByWay *x)
+{
+    for (int n = it->least; n <= most_edges(it); n++)
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            to->of[n][w] += x->of[n][w];
+}
+
+enum { EVENLY = 16 };                   /* one part in so many is alike for all numbers of edges */
+
+void byway_becomes_chances(const BothPaths *it, ByWay *x)
+{
+    int lengths = most_edges(it) - it->least + 1;
+    double sum = 0.0, even;
+
+    for (int n = it->least; n <= most_edges(it); n++)
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            sum += x->of[n][w] = sqrt(x->of[n][w]);
+    even = sum > 0.0 ? 1.0 / EVENLY : 1.0;
+    for (int n = it->least; n <= most_edges(it); n++)
+        for (int w = 0, ways = bothpath_ways(it, n); w < ways; w++)
+            x->of[n][w] = (sum > 0.0 ? (1.0 - even) * x->of[n][w] / sum : 0.0) +
+                          even / (lengths * ways);
+}
+
+void byway_save(const BothPaths *it, const ByWay *x, Saving *s)
+{
+    for (int n = it->least; n <= most_edges(it); n++)
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            save_double(s, x->of[n][w]);
+}
+
+void byway_load(const BothPaths *it, ByWay *x, Loading *l)
+{
+    for (int n = it->least; n <= most_edges(it); n++)
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            x->of[n][w] = load_double(l);
+}
+
+static int some_edges(const BothPaths *it, const ByWay *chance, double u, int *way)
+{
+    for (int n = most_edges(it); n >= it->least; n--)
+        for (*way = 0; *way < bothpath_ways(it, n); ++*way)
+            if ((u -= chance->of[n][*way]) < 0.0)
+                return n;
+    *way = BY_EYE;
+    return most_edges(it);
+}
+
+bool bothpath_some(const BothPaths *it, const ByWay *chance, double u, LightPath *p,
+                   Vertex *const *rooms, Places where, Tracer *t)
+{
+    int way;
+
+    p->edges = some_edges(it, chance, u, &way);
+    return bothpath_new(it, p, way, rooms, where, t);
+}
+
+double bothpath_density(const BothPaths *it, const ByWay *chance, const LightPath *p, Places where)
+{
+    double by[LIGHTPATH_MOST], density = 0.0;
+
+    bothpath_densities(it, p, false, where, by);
+    for (int w = 0; w < bothpath_ways(it, p->edges); w++)
+        density += chance->of[p->edges][w] * by[w];
+    return density;
+}
+
 /* ---- opening ---- */
 
 bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps)

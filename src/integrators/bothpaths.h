@@ -15,6 +15,9 @@
  * Traced      bothpath_traced follows one path from each end and joins them in all ways, weighed by
  *             the balance heuristic over all of them.
  * Single      bothpath_new makes one path of a given number of edges in a given way.
+ * Chances     Of numbers of edges and ways: by the root of the mean square of what whole samples
+ *             brought so, and a little evenly. Where colours over densities differ most, more are
+ *             needed, or a chain stays for long at the largest of them, and as many start there.
  * Missing     A lamp that is a point, or shines in one direction, and is seen from the last smooth
  *             vertex by delta events alone, is found from the lamp only: so if the eye also sees
  *             that vertex by delta events alone, by no way. */
@@ -38,6 +41,9 @@ typedef struct {
 bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps);
 void bothpaths_close(BothPaths *it);
 
+/* Numbers by edges, and ways to make paths of so many. */
+typedef struct { double of[LIGHTPATH_MOST + 1][LIGHTPATH_MOST]; } ByWay;
+
 /* Ways for paths of so many edges. */
 INLINE int bothpath_ways(const BothPaths *it, int edges) { return it->sending ? edges : 1; }
 
@@ -53,5 +59,17 @@ bool bothpath_new(const BothPaths *it, LightPath *p, int way, Vertex *const *roo
  * or, whole, of eyepath_traced. */
 void bothpath_densities(const BothPaths *it, const LightPath *p, bool whole, Places where,
                         double *density);
+
+void byway_add(const BothPaths *it, ByWay *to, const ByWay *x);
+/* Sums of squares become probabilities. */
+void byway_becomes_chances(const BothPaths *it, ByWay *x);
+void byway_save(const BothPaths *it, const ByWay *x, Saving *s);
+void byway_load(const BothPaths *it, ByWay *x, Loading *l);
+
+/* A path of some number of edges, made some way: both by u. */
+bool bothpath_some(const BothPaths *it, const ByWay *chance, double u, LightPath *p,
+                   Vertex *const *rooms, Places where, Tracer *t);
+/* The density with which that makes it. */
+double bothpath_density(const BothPaths *it, const ByWay *chance, const LightPath *p, Places where);
 
 #endif

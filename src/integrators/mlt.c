@@ -22,10 +22,6 @@
 
 #include "base/mem.h"
 
-enum { EDGES = LIGHTPATH_MOST + 1 };
-/* By edges, and ways to make paths of so many. */
-typedef struct { double of[EDGES][LIGHTPATH_MOST]; } ByWay;
-
 typedef struct {
     Chains chains;
     BothPaths paths;
@@ -48,7 +44,6 @@ typedef struct {
 /* ---- storage ---- */
 
 static int rooms_of(const Mlt *it) { return it->paths.eye.maxdepth + 2; }
-static int most_edges(const Mlt *it) { return it->paths.eye.maxdepth + 1; }
 
 static bool init_chain(Chains *cs, Chain *base)
 {
@@ -130,26 +125,12 @@ static float start(Chains *cs, Chain *base, uint64_t number, Tracer *t)
     return (float)choice.sum;
 }
 
-enum { EVENLY = 16 };                   /* one part in so many is alike for all numbers of edges */
-
 /* By what the samples brought, in the order of the chains. */
 static void learn_chances(Mlt *it)
 {
-    int most = most_edges(it);
-    double sum = 0.0;
-
     for (size_t k = 0; k < it->chains.n; k++)
-        for (int n = it->paths.least; n <= most; n++)
-            for (int w = 0; w < bothpath_ways(&it->paths, n); w++)
-                it->chance.of[n][w] += ((PathChain *)chains_at(&it->chains, k))->squares.of[n][w];
-    for (int n = it->paths.least; n <= most; n++)
-        for (int w = 0; w < bothpath_ways(&it->paths, n); w++)
-            sum += it->chance.of[n][w] = sqrt(it->chance.of[n][w]);
-    for (int n = it->paths.least; n <= most; n++)
-        for (int w = 0, all = bothpath_ways(&it->paths, n); w < all; w++)
-            it->chance.of[n][w] =
-                (sum > 0.0 ? (1.0 - 1.0 / EVENLY) * it->chance.of[n][w] / sum : 0.0) +
-                (sum > 0.0 ? 1.0 / EVENLY : 1.0) / ((most - it->paths.least + 1) * all);
+        byway_add(&it->paths, &it->chance, &((PathChain *)chains_at(&it->chains, k))->squares);
+    byway_becomes_chances(&it->paths, &it->chance);
 }
 
 static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
@@ -163,25 +144,10 @@ static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
 
 /* ---- steps ---- */
 
-/* Edges of a new path, and the way to make it. */
-static int some_length(const Mlt *it, double u, int *way)
-{
-    for (int n = most_edges(it); n >= it->paths.least; n--)
-        for (*way = 0; *way < bothpath_ways(&it->paths, n); ++*way)
-            if ((u -= it->chance.of[n][*way]) < 0.0)
-                return n;
-    *way = BY_EYE;
-    return most_edges(it);
-}
-
 /* Brightness over density: the same for all states that new paths come to. */
 static double as_new(const Mlt *it, const LightPath *p, const Tracer *t)
 {
-    double by[LIGHTPATH_MOST], density = 0.0;
-
-    bothpath_densities(&it->paths, p, false, places(it, t), by);
-    for (int w = 0; w < bothpath_ways(&it->paths, p->edges); w++)
-        density += it->chance.of[p->edges][w] * by[w];
+    double density = bothpath_density(&it->paths, &it->chance, p, places(it, t));
     return density > 0.0 ? brightness(it, p, 1.0 / density, t) : 0.0;
 }
 
@@ -189,13 +155,11 @@ static double as_new(const Mlt *it, const LightPath *p, const Tracer *t)
 static double renewed(const Mlt *it, PathChain *c, LightPath *y, Rng *r, Tracer *t)
 {
     double light = 0.0, now;
-    int way;
 
     sampler_pixel(&t->sampler, (uint32_t)c->base.key, UINT32_MAX);
     sampler_start(&t->sampler, (uint32_t)c->base.steps);
-    y->edges = some_length(it, rng_unit(r), &way);
     anywhere(it, y, t);
-    if (bothpath_new(&it->paths, y, way, c->rooms, places(it, t), t))
+    if (bothpath_some(&it->paths, &it->chance, rng_unit(r), y, c->rooms, places(it, t), t))
         light = as_new(it, y, t);
     c->base.found += light;
     c->base.tries++;
@@ -238,27 +202,13 @@ static void step(Chains *cs, Chain *base, Tracer *t)
 
 /* ---- what lasts ---- */
 
-static void save_by_way(const Mlt *it, const ByWay *x, Saving *s)
-{
-    for (int n = it->paths.least; n <= most_edges(it); n++)
-        for (int w = 0; w < bothpath_ways(&it->paths, n); w++)
-            save_double(s, x->of[n][w]);
-}
-
-static void load_by_way(const Mlt *it, ByWay *x, Loading *l)
-{
-    for (int n = it->paths.least; n <= most_edges(it); n++)
-        for (int w = 0; w < bothpath_ways(&it->paths, n); w++)
-            x->of[n][w] = load_double(l);
-}
-
 static void save_chain(const Chains *cs, const Chain *base, Saving *s)
 {
     const PathChain *c = (const PathChain *)base;
 
     if (base->brightness > 0.0f)
         path_save(&c->x, cs->base.scene, s);
-    save_by_way((const Mlt *)cs, &c->squares, s);
+    byway_save(&((const Mlt *)cs)->paths, &c->squares, s);
 }
 
 static bool load_chain(const Chains *cs, Chain *base, Loading *l)
@@ -268,7 +218,7 @@ static bool load_chain(const Chains *cs, Chain *base, Loading *l)
     if (base->brightness > 0.0f &&
         !path_load(&c->x, rooms_of((const Mlt *)cs) - 1, cs->base.scene, l))
         return false;
-    load_by_way((const Mlt *)cs, &c->squares, l);
+    byway_load(&((const Mlt *)cs)->paths, &c->squares, l);
     return true;
 }
 
@@ -276,7 +226,7 @@ static void save_mlt(const Integrator *base, Saving *s)
 {
     const Mlt *it = (const Mlt *)base;
 
-    save_by_way(it, &it->chance, s);
+    byway_save(&it->paths, &it->chance, s);
     chains_save(base, s);
 }
 
@@ -284,7 +234,7 @@ static bool load_mlt(Integrator *base, Loading *l)
 {
     Mlt *it = (Mlt *)base;
 
-    load_by_way(it, &it->chance, l);
+    byway_load(&it->paths, &it->chance, l);
     return chains_load(base, l);
 }
 
