@@ -17,7 +17,7 @@ static double sent_density(const BothPaths *it, const PathEnd *e)
     return (double)by->kind->pmf(by, v_all(0.0f), v_all(0.0f), e->light) * a * w;
 }
 
-/* Of the ways in which a lamp begins; density[i] is the product of chances before vertex i. */
+/* Of the ways in which a lamp begins; density[i] is the product of chances before vertex i-1. */
 static void densities_of_lamp(const BothPaths *it, const LightPath *p, Places where,
                               double *density)
 {
@@ -32,22 +32,26 @@ static void densities_of_lamp(const BothPaths *it, const LightPath *p, Places wh
                        : change * path_lens(p, it->eye.scene->camera) * it->pixels /
                              ((double)where.size.x * where.size.y);
         density[i] = joins && to_eye > 0.0 ? density[i] * sent / to_eye : 0.0;
-        sent *= chance_of(v->at, v->wi, v->wo, v->event);
+        if (i > 1)
+            sent *= chance_of(v->at, v->wi, v->wo, v->event);
     }
 }
 
 void bothpath_densities(const BothPaths *it, const LightPath *p, bool whole, Places where,
                         double *density)
 {
-    density[BY_EYE] = whole ? eyepath_whole_density(&it->eye, p) : eyepath_density(&it->eye, p);
-    if (!it->sending || p->edges < 2)
-        return;
-    density[1] = 1.0;
-    for (int i = 2; i < p->edges; i++) {
-        const PathVertex *v = &p->v[i - 2];
-        density[i] = i > 2 ? density[i - 1] * chance_of(v->at, v->wo, v->wi, v->event) : 1.0;
+    double before = 1.0;
+
+    for (int j = 0; j + 1 < p->edges; j++) {
+        const PathVertex *v = &p->v[j];
+        density[j + 1] = before;
+        if (j > 0)
+            before *= chance_of(v->at, v->wo, v->wi, v->event);
     }
-    densities_of_lamp(it, p, where, density);
+    density[BY_EYE] = whole ? eyepath_whole_density(&it->eye, p, before)
+                            : eyepath_density(&it->eye, p, before);
+    if (it->sending && p->edges > 1)
+        densities_of_lamp(it, p, where, density);
 }
 
 /* ---- from the lamp ---- */
@@ -291,11 +295,27 @@ void byway_add(const BothPaths *it, ByWay *to, const ByWay *x)
             to->of[n][w] += x->of[n][w];
 }
 
-enum { EVENLY = 16 };                   /* one part in so many is alike for all numbers of edges */
+enum { EVENLY = 2 };                   /* one part in so many is alike for all numbers of edges */
+
+/* Half of that is BY_EYE's, which finds what nothing else does where glass covers everything. */
+static double evenly(const BothPaths *it, int edges, int way)
+{
+    int ways = bothpath_ways(it, edges), lengths = most_edges(it) - it->least + 1;
+
+    return (ways == 1 ? 1.0 : way == BY_EYE ? 0.5 : 0.5 / (ways - 1)) / lengths;
+}
+
+static void add_up(const BothPaths *it, ByWay *x)
+{
+    for (int n = it->least; n <= most_edges(it); n++) {
+        x->all[n] = 0.0;
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            x->all[n] += x->of[n][w];
+    }
+}
 
 void byway_becomes_chances(const BothPaths *it, ByWay *x)
 {
-    int lengths = most_edges(it) - it->least + 1;
     double sum = 0.0, even;
 
     for (int n = it->least; n <= most_edges(it); n++)
@@ -303,9 +323,10 @@ void byway_becomes_chances(const BothPaths *it, ByWay *x)
             sum += x->of[n][w] = sqrt(x->of[n][w]);
     even = sum > 0.0 ? 1.0 / EVENLY : 1.0;
     for (int n = it->least; n <= most_edges(it); n++)
-        for (int w = 0, ways = bothpath_ways(it, n); w < ways; w++)
-            x->of[n][w] = (sum > 0.0 ? (1.0 - even) * x->of[n][w] / sum : 0.0) +
-                          even / (lengths * ways);
+        for (int w = 0; w < bothpath_ways(it, n); w++)
+            x->of[n][w] = even * evenly(it, n, w) +
+                          (sum > 0.0 ? (1.0 - even) * x->of[n][w] / sum : 0.0);
+    add_up(it, x);
 }
 
 void byway_save(const BothPaths *it, const ByWay *x, Saving *s)
@@ -320,16 +341,18 @@ void byway_load(const BothPaths *it, ByWay *x, Loading *l)
     for (int n = it->least; n <= most_edges(it); n++)
         for (int w = 0; w < bothpath_ways(it, n); w++)
             x->of[n][w] = load_double(l);
+    add_up(it, x);
 }
 
 static int some_edges(const BothPaths *it, const ByWay *chance, double u, int *way)
 {
-    for (int n = most_edges(it); n >= it->least; n--)
-        for (*way = 0; *way < bothpath_ways(it, n); ++*way)
-            if ((u -= chance->of[n][*way]) < 0.0)
-                return n;
-    *way = BY_EYE;
-    return most_edges(it);
+    int n = most_edges(it);
+
+    while (n > it->least && u >= chance->all[n])
+        u -= chance->all[n--];
+    for (*way = bothpath_ways(it, n) - 1; *way > BY_EYE && u >= chance->of[n][*way]; --*way)
+        u -= chance->of[n][*way];
+    return n;
 }
 
 bool bothpath_some(const BothPaths *it, const ByWay *chance, double u, LightPath *p,

@@ -42,7 +42,10 @@ bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps);
 void bothpaths_close(BothPaths *it);
 
 /* Numbers by edges, and ways to make paths of so many. */
-typedef struct { double of[LIGHTPATH_MOST + 1][LIGHTPATH_MOST]; } ByWay;
+typedef struct {
+    double of[LIGHTPATH_MOST + 1][LIGHTPATH_MOST];
+    double all[LIGHTPATH_MOST + 1];     /* chances of all ways to make as many edges */
+} ByWay;
 
 /* Ways for paths of so many edges. */
 INLINE int bothpath_ways(const BothPaths *it, int edges) { return it->sending ? edges : 1; }

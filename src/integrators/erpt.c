@@ -30,7 +30,7 @@
 
 typedef enum { FLOW_EQUAL, FLOW_DETAILED, FLOW_ITERATED } Flow;
 
-enum { SAMPLES = 1 << 15, UNITS = 64 };         /* that tell e_d, and before that chances of ways to
+enum { SAMPLES = 1 << 14, UNITS = 64 };         /* that tell e_d, and before that chances of ways to
                                                  * make paths, in so many units */
 enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack */
 

@@ -225,34 +225,26 @@ static double met(const EyePaths *it, const LightPath *p)
     return k->delta ? 0.0 : k->infinite ? 1.0 / (double)it->scene->ninfinite : 1.0;
 }
 
-static double chances_before(const LightPath *p, int last)
-{
-    double density = 1.0;
-
-    for (int i = 1; i < last; i++)
-        density *= chance_at(&p->v[i]);
-    return density;
-}
-
-double eyepath_whole_density(const EyePaths *it, const LightPath *p)
+double eyepath_whole_density(const EyePaths *it, const LightPath *p, double before)
 {
     int last = p->edges - 1;
     double meets = p->end.light->kind->delta ? 0.0 : last ? (double)chance_at(&p->v[last]) : 1.0;
 
-    return chances_before(p, last) *
+    return before *
            (meets + (last && path_vertex_is_smooth(&p->v[last]) ? asked_pdf(it, p, last) : 0.0));
 }
 
-double eyepath_density(const EyePaths *it, const LightPath *p)
+double eyepath_density(const EyePaths *it, const LightPath *p, double before)
 {
     int last = p->edges - 1;
-    double density = chances_before(p, last);
+    double meets = met(it, p);
 
     if (!last)
-        return met(it, p);
+        return meets;
+    if (meets > 0.0)
+        meets *= chance_at(&p->v[last]);
     if (!(p->v[last].at->b->flags & BSDF_SMOOTH))
-        return density * chance_at(&p->v[last]) * met(it, p);
-    density *= 0.5 * chance_at(&p->v[last]) * met(it, p) +
-               (path_vertex_is_smooth(&p->v[last]) ? 0.5 * asked_pdf(it, p, last) : 0.0);
-    return density;
+        return before * meets;
+    return before * (0.5 * meets +
+                     (path_vertex_is_smooth(&p->v[last]) ? 0.5 * asked_pdf(it, p, last) : 0.0));
 }

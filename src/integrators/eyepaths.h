@@ -38,8 +38,9 @@ typedef struct {
  * are for its vertices. */
 void eyepath_traced(const EyePaths *it, LightPath *p, Vertex *const *rooms, Tracer *t,
                     EyePathFound *found, void *ctx, EyeTrace *how);
-/* The density with which it makes a path but for roulette. */
-double eyepath_whole_density(const EyePaths *it, const LightPath *p);
+/* The density with which it makes a path but for roulette. before: the chance of all that happens
+ * before the last vertex. */
+double eyepath_whole_density(const EyePaths *it, const LightPath *p, double before);
 /* Vertex i does something by chance, and the walk goes on; gives the chance. 0: it ends. */
 double eyepath_turns(LightPath *p, int i, Walk *w, Tracer *t);
 /* The light l is met by a ray to that point on it, with nothing in the way: it becomes the end. */
@@ -48,7 +49,7 @@ bool eyepath_meets_point(LightPath *p, const Light *l, V3 point, float dist, Wal
 /* One path of p->edges edges from p's pixel. False: it comes to nothing. */
 bool eyepath_new(const EyePaths *it, LightPath *p, Vertex *const *rooms, Tracer *t);
 /* The density with which eyepath_new makes it from its pixel, once it has its number of edges. */
-double eyepath_density(const EyePaths *it, const LightPath *p);
+double eyepath_density(const EyePaths *it, const LightPath *p, double before);
 
 /* A place on the lens and a time for p, by the tracer's decisions. */
 void eyepath_begins(const Scene *s, LightPath *p, Tracer *t);

@@ -35,7 +35,8 @@ typedef struct {
 
 typedef struct {
     Chain base;
-    LightPath x;                /* the state */
+    LightPath x;                /* the state, */
+    double now;                 /* and its as_new(); below 0: not worked out yet */
     Vertex *storage;            /* owned: rooms for three paths */
     Vertex *rooms[LIGHTPATH_MOST], *back[LIGHTPATH_MOST];       /* those that x has not */
     ByWay  squares;             /* of the brightness of the first samples */
@@ -121,6 +122,7 @@ static float start(Chains *cs, Chain *base, uint64_t number, Tracer *t)
     sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)(number >> 32));
     sampler_start(&t->sampler, (uint32_t)number);
     anywhere(it, &p, t);
+    c->now = -1.0;
     bothpath_traced(&it->paths, &p, c->rooms, c->back, places(it, t), t, consider, &choice);
     return (float)choice.sum;
 }
@@ -152,21 +154,23 @@ static double as_new(const Mlt *it, const LightPath *p, const Tracer *t)
 }
 
 /* A new path; its probability to be accepted. */
-static double renewed(const Mlt *it, PathChain *c, LightPath *y, Rng *r, Tracer *t)
+static double renewed(const Mlt *it, PathChain *c, LightPath *y, double *as, Rng *r, Tracer *t)
 {
-    double light = 0.0, now;
+    double light = 0.0;
 
     sampler_pixel(&t->sampler, (uint32_t)c->base.key, UINT32_MAX);
     sampler_start(&t->sampler, (uint32_t)c->base.steps);
     anywhere(it, y, t);
     if (bothpath_some(&it->paths, &it->chance, rng_unit(r), y, c->rooms, places(it, t), t))
         light = as_new(it, y, t);
+    *as = light;
     c->base.found += light;
     c->base.tries++;
     if (!(light > 0.0) || c->base.brightness == 0.0f)
         return light > 0.0;
-    now = as_new(it, &c->x, t);
-    return light < now ? light / now : 1.0;
+    if (c->now < 0.0)
+        c->now = as_new(it, &c->x, t);
+    return light < c->now ? light / c->now : 1.0;
 }
 
 static void show_path(const LightPath *p, double weight, Tracer *t)
@@ -186,18 +190,20 @@ static void step(Chains *cs, Chain *base, Tracer *t)
     const Mlt *it = (const Mlt *)cs;
     PathChain *c = (PathChain *)base;
     Rng r = { key_with(base->key, base->steps), 0 };
+    double a, as = -1.0;
     LightPath y;
-    double a;
     Step s;
 
     base->brightness = base->brightness > 0.0f;
-    a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &r, t)
+    a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &as, &r, t)
             : mutation_tried(&it->mutator, &c->x, &y, c->rooms, &r, t);
     s = chain_steps(cs, base, a > 0.0, (float)a, false, rng_unit(&r));
     if (s.left > 0.0)
         show_path(s.moves ? &c->x : &y, s.left, t);
-    if (s.moves)
+    if (s.moves) {
         path_moves(&c->x, &y, c->rooms);
+        c->now = as;
+    }
 }
 
 /* ---- what lasts ---- */
@@ -218,6 +224,7 @@ static bool load_chain(const Chains *cs, Chain *base, Loading *l)
     if (base->brightness > 0.0f &&
         !path_load(&c->x, rooms_of((const Mlt *)cs) - 1, cs->base.scene, l))
         return false;
+    c->now = -1.0;
     byway_load(&((const Mlt *)cs)->paths, &c->squares, l);
     return true;
 }
