@@ -1,5 +1,5 @@
 /* test_mutations.c -- moved paths: acceptance by two routes, flows between states that balance, and
- * the density of new paths.
+ * the density of new paths, from the eye and from both ends.
  *
  * Routes      The program has ratios of colours and of a few changes of measure. Here stands (7.14)
  *             as it is printed, with the corrections of the errata: F per area by fig. 7.20, and T
@@ -7,7 +7,7 @@
  *             alone, in double; for mutations from the light with the particle's factors.
  * Balance     Samples of the path tracer, each moved once: what flows from A to B must flow back.
  *             There is no formula in that which could be wrong twice. */
-#include "integrators/eyepaths.h"
+#include "integrators/bothpaths.h"
 #include "integrators/mutations.h"
 #include "integrators/particle.h"
 #include "test/chi2.h"
@@ -53,6 +53,7 @@ static void add_room(Lab *l)
     lab_shine(l, lab_sphere(l, v3(1.3f, 1.2f, -1.4f), 0.5f, black, false), "L=3/2/1");
     lab_light(l, "point", "from=-1/-1/0.5,I=1", NULL);
     lab_light(l, "infinite", "L=0.5/0.7/1", NULL);
+    lab_light(l, "distant", "from=0.3/-1/0.2,to=0/0/0,L=2", NULL);
 }
 
 /* What moves paths, and where they come from. */
@@ -62,7 +63,7 @@ typedef struct {
     Canvas canvas;
     Tracer t;
     LightSampler *lights;
-    EyePaths eye;
+    BothPaths paths;
     Mutator mutator;
 } World;
 
@@ -86,13 +87,17 @@ static void world_opens(World *w, const char *camera)
     REQUIRE(sampler_init(&w->t.sampler, kind_find(samplers, "random"), &none, 1, &spp), "sampler");
     w->lights = lightsampler_open("power", w->lab.scene);
     REQUIRE(w->lights, "lights");
-    w->eye = (EyePaths){ w->lab.scene, w->lights, EVENTS, 100 };
+    w->paths.eye = (EyePaths){ w->lab.scene, w->lights, EVENTS, 100 };
+    w->paths.least = 1;
+    w->paths.pixels = SIDE * SIDE;
+    REQUIRE(bothpaths_open(&w->paths, w->lab.scene, true), "lights");
     w->mutator = (Mutator){ .scene = w->lab.scene, .share = { 1, 1, 1, 3 }, .nearest = 0.1f,
                             .farthest = 8, .least = 1e-3f, .most = 0.5f, .hi = { SIDE, SIDE } };
 }
 
 static void world_clears(World *w)
 {
+    bothpaths_close(&w->paths);
     lightsampler_close(w->lights);
     sampler_clear(&w->t.sampler);
     lab_clear(&w->lab);
@@ -109,16 +114,18 @@ static void rooms_open(Rooms *r)
 static void trace(World *w, uint32_t number, EyePathFound *found, void *ctx)
 {
     LightPath p;
-    Rooms rooms;
+    Rooms rooms, back;
     V2 u;
 
     rooms_open(&rooms);
+    rooms_open(&back);
     sampler_pixel(&w->t.sampler, number, 0);
     sampler_start(&w->t.sampler, 0);
     u = sample_2d(&w->t.sampler, DECISION(DECIDE_PIXEL, 0));
     p.pixel = (V2){ u.x * SIDE, u.y * SIDE };
     eyepath_begins(w->lab.scene, &p, &w->t);
-    eyepath_traced(&w->eye, &p, rooms.at, &w->t, found, ctx);
+    bothpath_traced(&w->paths, &p, rooms.at, back.at, mutator_places(&w->mutator, &w->t), &w->t,
+                    found, ctx);
 }
 
 /* ---- the other route: places in double ---- */
@@ -134,7 +141,8 @@ static D3 place(const LightPath *p, int i)
 
 static bool is_away(const LightPath *p, int i)          /* beyond the scene */
 {
-    return i == p->edges && p->end.light->kind->infinite;
+    const LightKind *k = p->end.light->kind;
+    return i == p->edges && (k->infinite || k->delta == DELTA_DIRECTION);
 }
 
 /* The unit vector from vertex i to vertex j, a neighbour. */
@@ -319,11 +327,25 @@ static double transition_from_eye(const World *w, const LightPath *x, const Ligh
     return t;
 }
 
+/* Between two parallel lines of light from beyond, in radii of the scene. */
+static double line_pdf(const World *w, const LightPath *x, const LightPath *y)
+{
+    double dist, l;
+    D3 a = place(x, x->edges - 1), b = place(y, y->edges - 1),
+       d = way(x, x->edges, x->edges - 1, &dist);
+
+    a = (D3){ a.x - b.x, a.y - b.y, a.z - b.z };
+    l = a.x * d.x + a.y * d.y + a.z * d.z;
+    dist = a.x * a.x + a.y * a.y + a.z * a.z - l * l;
+    return spread(sqrt(d_max(dist, 0)) / w->lab.scene->radius, w->mutator.least, w->mutator.most);
+}
+
 static double transition_from_light(const World *w, const LightPath *x, const LightPath *y,
                                     int at, int start)
 {
-    double dist, t = angle_pdf(&w->mutator, way(x, start, start - 1, &dist),
-                               way(y, start, start - 1, &dist));
+    double dist, t = is_away(x, start) ? line_pdf(w, x, y)
+                                       : angle_pdf(&w->mutator, way(x, start, start - 1, &dist),
+                                                   way(y, start, start - 1, &dist));
 
     for (int i = start - 1; i >= at; i--)
         t *= area_at(y, i, i + 1);
@@ -344,6 +366,119 @@ static double as_printed(const World *w, Move m, const LightPath *x, const Light
            (contribution_of_light(w, x, m.at, start) * transition_from_light(w, x, y, m.at, start));
 }
 
+/* ---- what a way of making a path brings ---- */
+
+/* As a particle turns at vertex i. */
+static Rgb turn_of_light(const LightPath *p, int i)
+{
+    Vertex v = *p->v[i].at;
+    V3 wi = local(p, i, i - 1), to = frame_out(&v.frame, wi);
+    BsdfSample s;
+
+    v.b = p->v[i].at->b;
+    v.wo = local(p, i, i + 1);
+    if (!is_delta(p, i))
+        return vertex_f_cos_of_light(&v, to, wi);
+    s = delta_at(p, i, v.wo);
+    return rgb_scale(s.weight, f_sqr(s.eta) * vertex_skew(&v, to, wi));
+}
+
+/* Particles as the lamp sends them, over their density. */
+static Rgb flux_at(const World *w, const LightPath *p)
+{
+    const Light *l = p->end.light;
+    double dist;
+    D3 d = way(p, p->edges, p->edges - 1, &dist);
+    float a, b, share = w->paths.sending->kind->pmf(w->paths.sending, v_all(0), v_all(0), l);
+
+    l->kind->emit_pdf(l, is_shape(p) ? &p->end.s : NULL, v3((float)d.x, (float)d.y, (float)d.z),
+                      &a, &b);
+    dist = is_shape(p) ? fabs(along(d, p->end.s.ng)) : dist * dist;
+    return rgb_scale(light_at(p), (float)(dist / ((double)share * a * b)));
+}
+
+/* Particles that come to vertex j+1, what vertex j makes of them, and how the eye came there, over
+ * the chances of all: [Veach97 (10.5)]. */
+static double brought(const World *w, const LightPath *p, int j)
+{
+    const Camera *camera = w->lab.scene->camera;
+    Rgb c = flux_at(w, p);
+    double geometry = 1, dist;
+    CameraSample seen;
+
+    for (int i = p->edges - 1; i > j; i--) {
+        V3 from = local(p, i, i + 1), to = local(p, i, i - 1);
+        c = rgb_mul(c, turn_of_light(p, i));
+        if (i > j + 1)
+            geometry /= chance_of(p->v[i].at, from, to, p->v[i].event);
+    }
+    for (int i = 1; i <= j; i++) {
+        const Bsdf *b = p->v[i].at->b;
+        V3 wo = local(p, i, i - 1), wi = local(p, i, i + 1);
+        c = rgb_mul(c, is_delta(p, i) ? delta_at(p, i, wo).weight
+                                      : rgb_scale(b->kind->eval(b, wo, wi, false), fabsf(wi.z)));
+        if (i < j)
+            geometry /= chance_of(p->v[i].at, wo, wi, p->v[i].event);
+    }
+    if (j > 0) {
+        way(p, j, j + 1, &dist);
+        return rgb_lum(c) * geometry / (dist * dist);
+    }
+    REQUIRE(camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &seen), "lens");
+    return rgb_lum(c) * geometry * seen.we / seen.pdf_w;
+}
+
+static double roughness(const LightPath *p);
+
+typedef struct { World *w; uint64_t ways, far, only, by[EVENTS + 1]; double worst; } Brought;
+
+/* By every way, whichever has found the path. only: no other way finds it. */
+static void compare_ways(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
+{
+    Brought *b = ctx;
+    double density[LIGHTPATH_MOST], sum = 0;
+
+    bothpath_densities(&b->w->paths, p, true, mutator_places(&b->w->mutator, t), density);
+    for (int k = 0; k < p->edges; k++) {
+        double off;
+        sum += density[k];
+        if (k == 0 || !(density[k] > 0))
+            continue;
+        off = fabs(rgb_lum(p->colour) / density[k] / brought(b->w, p, k - 1) - 1);
+        b->ways++;
+        b->by[k - 1]++;
+        b->far += off > 1e-4;
+        b->worst = d_max(b->worst, off / roughness(p));
+    }
+    b->only += density[by] == sum;
+    EXPECT(fabs(scale * sum - 1) < 1e-5, "weight by way %d is off: %g", by, scale * sum);
+}
+
+/* Colour over density, and the product along both subpaths. */
+static void ways_of(const char *camera)
+{
+    static World w;
+    Brought b = { .w = &w };
+    uint64_t least = test_is_long() ? 1000000 : 100000;
+
+    world_opens(&w, camera);
+    for (uint32_t n = 0; b.ways < least; n++)
+        trace(&w, n, compare_ways, &b);
+    for (int k = 0; k < EVENTS; k++)
+        EXPECT(b.by[k] > least / 200, "few are joined at vertex %d: %.0f", k, (double)b.by[k]);
+    EXPECT(b.only > 100, "%.0f paths can be made in one way only", (double)b.only);
+    EXPECT(b.far * 100 < b.ways, "%.0f of %.0f are off by more than 1e-4", (double)b.far,
+           (double)b.ways);
+    EXPECT(b.worst < 1e-4, "the worst is off by %g for each of its small numbers", b.worst);
+    world_clears(&w);
+}
+
+static void ways(void)
+{
+    ways_of("");
+    ways_of("lensradius=0.2,focaldistance=5");
+}
+
 /* ---- acceptance by both ---- */
 
 enum { SIGNATURES = 1 << (EVENTS + 1) };
@@ -351,7 +486,7 @@ enum { SIGNATURES = 1 << (EVENTS + 1) };
 typedef struct {
     World *w;
     Rng   r;
-    uint64_t moves[MUTATIONS], of[SIGNATURES], far;
+    uint64_t moves[MUTATIONS], of[SIGNATURES], far, own;
     double worst;
 } Routes;
 
@@ -377,13 +512,13 @@ static double roughness(const LightPath *p)
     return sum;
 }
 
-static void compare_routes(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void compare_routes(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Routes *c = ctx;
     LightPath x, y;
     Rooms rooms, spare;
 
-    (void)scale;
+    (void)by, (void)scale;
     rooms_open(&rooms);
     rooms_open(&spare);
     path_copies(&x, p, rooms.at, c->w->lab.scene);
@@ -400,6 +535,7 @@ static void compare_routes(void *ctx, const LightPath *p, double scale, Tracer *
         expected = as_printed(c->w, move, &x, &y);
         off = fabs(q / expected - 1);
         c->moves[m]++;
+        c->own += p->end.light->kind->delta && is_delta(p, p->edges - 1);
         c->of[signature(p)]++;
         c->far += off > 1e-4;
         c->worst = d_max(c->worst, off / (roughness(&x) + roughness(&y)));
@@ -426,6 +562,7 @@ static void routes_of(const char *camera)
     EXPECT(c.far * 200 < moves, "%.0f of %.0f moves are off by more than 1e-4", (double)c.far,
            (double)moves);
     EXPECT(c.worst < 1e-4, "the worst is off by %g for each of its small numbers", c.worst);
+    EXPECT(c.own > least / 500, "few end at points by delta events: %.0f", (double)c.own);
     EXPECT(kinds >= 108, "%d kinds of paths of 127", kinds);
     world_clears(&w);
 }
@@ -457,13 +594,14 @@ static int state_of(Mutation m, const LightPath *p)
     return (p->pixel.x < SIDE / 2) + 2 * (p->pixel.y < SIDE / 2) + 4 * (d.x < 0);
 }
 
-static void flow_once(void *ctx, const LightPath *x, double scale, Tracer *t)
+static void flow_once(void *ctx, const LightPath *x, int by, double scale, Tracer *t)
 {
     Flows *f = ctx;
     double e = rgb_lum(x->colour) * scale;
     LightPath y;
     Rooms rooms;
 
+    (void)by;
     if (!mutation_applies(f->only, x))
         return;
     rooms_open(&rooms);
@@ -488,7 +626,7 @@ static void balance_of(Mutation m, double square, float least, int least_pairs)
     w.mutator.nearest = 2;
     w.mutator.least = least;
     w.mutator.most = 1;
-    w.eye.maxdepth = BALANCED;
+    w.paths.eye.maxdepth = BALANCED;
     for (uint32_t n = 0; n < (test_is_long() ? 4800000 : 200000); n++)
         trace(&w, n, flow_once, &f);
     for (int a = 0; a < STATES; a++)
@@ -519,51 +657,85 @@ static void balance(void)
 
 /* ---- new paths ---- */
 
-typedef struct { Stat of[EVENTS + 2]; double sum[EVENTS + 2], largest[EVENTS + 2]; } ByEdges;
+/* Of a point or one direction, by delta events: the eye alone does not find such paths. */
+static bool is_lamps_own(const LightPath *p)
+{
+    return p->end.light->kind->delta && p->edges > 1 && is_delta(p, p->edges - 1);
+}
 
-static void add_to_edges(void *ctx, const LightPath *p, double scale, Tracer *t)
+/* What paths of each number of edges bring: all, and without those that the eye cannot find. */
+typedef struct { double all[EVENTS + 2], eye[EVENTS + 2]; } ByEdges;
+
+static void add_to_edges(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     ByEdges *b = ctx;
     double light = rgb_lum(p->colour) * scale;
 
-    (void)t;
-    b->sum[p->edges] += light;
+    (void)by, (void)t;
+    b->all[p->edges] += light;
+    b->eye[p->edges] += is_lamps_own(p) ? 0 : light;
 }
 
-/* Single paths of so many edges, over their density, and whole paths bring the same. */
+/* A single path of so many edges, over its density; by: a way, or -1 for all with equal chances. */
+static double single(World *w, uint32_t n, int edges, int by)
+{
+    Places where = mutator_places(&w->mutator, &w->t);
+    double density[LIGHTPATH_MOST], sum = 0;
+    LightPath p;
+    Rooms rooms;
+    V2 u;
+
+    rooms_open(&rooms);
+    sampler_pixel(&w->t.sampler, n, (uint32_t)(edges + (by < 0 ? 100 : 0)));
+    sampler_start(&w->t.sampler, 0);
+    u = sample_2d(&w->t.sampler, DECISION(DECIDE_PIXEL, 0));
+    p.pixel = (V2){ u.x * SIDE, u.y * SIDE };
+    p.edges = edges;
+    eyepath_begins(w->lab.scene, &p, &w->t);
+    if (!bothpath_new(&w->paths, &p, by < 0 ? (int)(n % (uint32_t)edges) : by, rooms.at, where,
+                      &w->t))
+        return 0;
+    bothpath_densities(&w->paths, &p, false, where, density);
+    for (int k = 0; k < edges; k++)
+        sum += by < 0 ? density[k] / edges : k == by ? density[k] : 0;
+    return rgb_lum(p.colour) / sum;
+}
+
+/* Single paths over their density, by the eye and by all ways, and whole paths bring the same;
+ * whole paths of the eye bring what they can. */
 static void new_paths(void)
 {
-    World w;
-    ByEdges b;
+    static World w;
+    Stat whole[EVENTS + 2], eye[EVENTS + 2], part[EVENTS + 2];
     uint32_t runs = test_is_long() ? 1600000 : 100000;
 
+    memset(whole, 0, sizeof whole);
+    memset(eye, 0, sizeof eye);
+    memset(part, 0, sizeof part);
     world_opens(&w, "");
-    memset(&b, 0, sizeof b);
-    for (uint32_t n = 0; n < runs; n++) {
-        memset(b.sum, 0, sizeof b.sum);
+    for (uint32_t n = 0; n < 2 * runs; n++) {
+        LightSampler *sending = w.paths.sending;
+        ByEdges b = { { 0 }, { 0 } };
+        w.paths.sending = n & 1 ? sending : NULL;
         trace(&w, n, add_to_edges, &b);
-        for (int k = 1; k < EVENTS + 2; k++)
-            stat_add(&b.of[k], b.sum[k]);
+        w.paths.sending = sending;
+        for (int k = 1; k < EVENTS + 2; k++) {
+            stat_add(n & 1 ? &whole[k] : &eye[k], b.all[k]);
+            if (n & 1)
+                stat_add(&part[k], b.eye[k]);
+        }
     }
     for (int k = 1; k <= (test_is_long() ? EVENTS : 4); k++) {
-        Stat single = { 0, 0, 0, 0, 0 };
+        Stat by_eye = { 0, 0, 0, 0, 0 }, by_all = { 0, 0, 0, 0, 0 };
         char what[40];
         for (uint32_t n = 0; n < runs; n++) {
-            LightPath p;
-            Rooms rooms;
-            V2 u;
-            rooms_open(&rooms);
-            sampler_pixel(&w.t.sampler, n, (uint32_t)k);
-            sampler_start(&w.t.sampler, 0);
-            u = sample_2d(&w.t.sampler, DECISION(DECIDE_PIXEL, 0));
-            p.pixel = (V2){ u.x * SIDE, u.y * SIDE };
-            p.edges = k;
-            eyepath_begins(w.lab.scene, &p, &w.t);
-            stat_add(&single, eyepath_new(&w.eye, &p, rooms.at, &w.t)
-                                  ? rgb_lum(p.colour) / eyepath_density(&w.eye, &p) : 0);
+            stat_add(&by_eye, single(&w, n, k, BY_EYE));
+            stat_add(&by_all, single(&w, n, k, -1));
         }
         snprintf(what, sizeof what, "%d edges", k);
-        stat_expect_same(&single, &b.of[k], 0.3, what);
+        stat_expect_same(&by_eye, &eye[k], 0.3, what);
+        stat_expect_same(&part[k], &eye[k], 0.3, what);
+        stat_expect_same(&by_all, &whole[k], 0.3, what);
     }
     world_clears(&w);
 }
@@ -571,6 +743,7 @@ static void new_paths(void)
 const TestCase test_mutations[] = {
     { "routes", routes, false },
     { "balance", balance, false },
+    { "ways", ways, false },
     { "new_paths", new_paths, false },
     { NULL, NULL, false }
 };

@@ -16,12 +16,13 @@
  * q           min(1, F(y) T(y>x) / (F(x) T(x>y))), by mutations.h. F is the measurement, not the
  *             sampler's estimate, errata 8.3.
  * Samples     stand one in each pixel's part of the picture, in every pass; each pass by itself is
- *             right, errata 8.1. All ways to complete a path give samples, weighed against each
- *             other.
+ *             right, errata 8.1. All ways to make a path, from the eye and from both ends, give
+ *             samples, weighed against each other, see bothpaths.h; those that a lamp shows to the
+ *             lens come where they do.
  * Departs     Of each move of equal flow both ends get their part of e_d, q and 1 - q: the mean
  *             over the decision. */
+#include "integrators/bothpaths.h"
 #include "integrators/direct.h"
-#include "integrators/eyepaths.h"
 #include "integrators/mutations.h"
 #include "integrators/proposals.h"
 
@@ -29,12 +30,13 @@
 
 typedef enum { FLOW_EQUAL, FLOW_DETAILED, FLOW_ITERATED } Flow;
 
-enum { SAMPLES = 1 << 15, UNITS = 64 };         /* that tell e_d, in so many units */
+enum { SAMPLES = 1 << 14, UNITS = 64 };         /* that tell e_d, and before that chances of ways to
+                                                 * make paths, in so many units */
 enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack */
 
 typedef struct {
     Integrator base;
-    EyePaths eye;
+    BothPaths paths;
     Mutator mutator;
     LightSampler *lights;       /* owned */
     Integrator *direct;         /* owned; NULL: direct light is redistributed, too */
@@ -47,9 +49,10 @@ typedef struct {
     bool  median;               /* how they are smoothed, and over what square */
     int   side;
     uint64_t samples;           /* that tell e_d */
-    double found[UNITS];        /* energy of each unit of them */
+    double found[UNITS];        /* energy of each unit of them, */
+    ByWay *squares;             /* owned: UNITS, of paths; NULL: samples are whole */
+    ByWay  chance;              /* of single paths */
     double deposit;             /* e_d; 0: no light was found */
-    float pixels;               /* of the whole picture */
     uint32_t x0, y0, w, h;      /* window of the film */
 } Erpt;
 
@@ -59,7 +62,7 @@ typedef struct {
 static double energy(const Erpt *it, const LightPath *p, double scale, const Tracer *t)
 {
     Places where = mutator_places(&it->mutator, t);
-    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->pixels);
+    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->paths.pixels);
 
     return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
 }
@@ -197,76 +200,134 @@ static void redistribute(const Erpt *it, const LightPath *p, double e, Rng *r, T
 }
 
 /* What is done with each path that a sample finds. */
-typedef struct { const Erpt *it; Rng r; double found; } Use;
+typedef struct { const Erpt *it; Rng r; double found; ByWay *squares; } Use;
 
-static void used(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void used(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Use *u = ctx;
     double e = energy(u->it, p, scale, t);
 
+    if (u->squares)
+        u->squares->of[p->edges][by] += e * e;
     u->found += e;
     if (e > 0.0 && u->it->deposit > 0.0)
         redistribute(u->it, p, e, &u->r, t);
 }
 
-/* A sample from that place of the window, from 0 to 1 across: its energy, which has been
- * redistributed once e_d is known. */
-static double sample_at(const Erpt *it, float x, float y, Tracer *t)
+/* A place of the window, from 0 to 1 across. */
+static void begin(const Erpt *it, LightPath *p, V2 at, Places where, Tracer *t)
+{
+    p->pixel = (V2){ where.lo.x + at.x * where.size.x, where.lo.y + at.y * where.size.y };
+    eyepath_begins(it->base.scene, p, t);
+}
+
+/* A whole sample from there. */
+static void whole_at(const Erpt *it, V2 at, Use *use, Tracer *t)
 {
     Places where = mutator_places(&it->mutator, t);
-    Use use = { it, { key_with(t->sampler.key, t->sampler.index), 0 }, 0.0 };
+    Vertex storage[LIGHTPATH_MOST], *back[LIGHTPATH_MOST];
+    Roomy s;
+
+    for (int i = 0; i < LIGHTPATH_MOST; i++)
+        back[i] = &storage[i];
+    roomy_opens(&s);
+    begin(it, &s.p, at, where, t);
+    bothpath_traced(&it->paths, &s.p, s.rooms, back, where, t, used, use);
+}
+
+/* A single path. */
+static void single_at(const Erpt *it, V2 at, Use *use, Tracer *t)
+{
+    Places where = mutator_places(&it->mutator, t);
+    float u = sample_1d(&t->sampler, DECISION(DECIDE_TECHNIQUE, 0));
+    double density;
     Roomy s;
 
     roomy_opens(&s);
-    s.p.pixel = (V2){ where.lo.x + x * where.size.x, where.lo.y + y * where.size.y };
-    eyepath_begins(it->base.scene, &s.p, t);
-    eyepath_traced(&it->eye, &s.p, s.rooms, t, used, &use);
-    return use.found;
+    begin(it, &s.p, at, where, t);
+    if (!bothpath_some(&it->paths, &it->chance, u, &s.p, s.rooms, where, t))
+        return;
+    density = bothpath_density(&it->paths, &it->chance, &s.p, where);
+    if (density > 0.0)
+        used(use, &s.p, BY_EYE, 1.0 / density, t);
+}
+
+static void sample_at(const Erpt *it, V2 at, Use *use, Tracer *t)
+{
+    if (it->squares)
+        single_at(it, at, use, t);
+    else
+        whole_at(it, at, use, t);
 }
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Erpt *it = (const Erpt *)base;
     V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
+    Use use = { it, { key_with(t->sampler.key, t->sampler.index), 0 }, 0.0, NULL };
 
     t->shots++;
+    u.x = ((float)(t->x - it->x0) + u.x) / (float)it->w;
+    u.y = ((float)(t->y - it->y0) + u.y) / (float)it->h;
     if (it->deposit > 0.0)
-        (void)sample_at(it, ((float)(t->x - it->x0) + u.x) / (float)it->w,
-                        ((float)(t->y - it->y0) + u.y) / (float)it->h, t);
+        sample_at(it, u, &use, t);
     return it->direct ? it->direct->kind->radiance(it->direct, r, t) : rgb_all(0.0f);
 }
 
-/* ---- e_d ---- */
+/* ---- what is learned first ---- */
 
-enum { FIND = 0, SETTLE = 1, PHASES = 2 };
+enum { LEARN = 0, FIND = 1, SETTLE = 2, PHASES = 3 };
 
-/* Phase 1 has no work but this: all units of the one before have ended. */
-static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
+static void settle_chances(Erpt *it)
 {
-    Erpt *it = (Erpt *)base;
+    memset(&it->chance, 0, sizeof it->chance);
+    for (int k = 0; k < UNITS; k++)
+        byway_add(&it->paths, &it->chance, &it->squares[k]);
+    byway_becomes_chances(&it->paths, &it->chance);
+}
+
+static void settle_deposit(Erpt *it)
+{
     double sum = 0.0;
 
-    (void)f, (void)pass;
-    if (phase == FIND)
-        return UNITS;
     for (int k = 0; k < UNITS; k++)
         sum += it->found[k];
     it->deposit = sum / ((double)it->samples * it->each);
-    return 0;
+}
+
+/* Each phase begins when all units of the one before have ended; the last has no other work. */
+static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
+{
+    Erpt *it = (Erpt *)base;
+
+    (void)f, (void)pass;
+    if (phase == LEARN)
+        return it->squares ? UNITS : 0;
+    if (phase == FIND && it->squares)
+        settle_chances(it);
+    if (phase == SETTLE)
+        settle_deposit(it);
+    return phase == FIND ? UNITS : 0;
 }
 
 static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t)
 {
     Erpt *it = (Erpt *)base;
+    Use use = { it, { 0, 0 }, 0.0, phase == LEARN ? &it->squares[unit] : NULL };
 
-    (void)f, (void)pass, (void)phase;
+    (void)f, (void)pass;
     for (uint64_t i = unit; i < it->samples; i += UNITS) {
         V2 u;
-        sampler_pixel(&t->sampler, UINT32_MAX, 0);
+        sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)phase);
         sampler_start(&t->sampler, (uint32_t)i);
         u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
-        it->found[unit] += sample_at(it, u.x, u.y, t);
+        if (phase == LEARN)
+            whole_at(it, u, &use, t);
+        else
+            sample_at(it, u, &use, t);
     }
+    if (phase == FIND)
+        it->found[unit] = use.found;
 }
 
 /* ---- the integrator ---- */
@@ -277,7 +338,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
 
     (void)seed;
     mutator_prepare(&it->mutator, f);
-    it->pixels = (float)f->full_w * (float)f->full_h;
+    it->paths.pixels = (float)f->full_w * (float)f->full_h;
     it->x0 = f->x0;
     it->y0 = f->y0;
     it->w = f->w;
@@ -293,14 +354,18 @@ static bool finish(Integrator *base, Film *f)
 
 /* ---- what lasts ---- */
 
-/* e_d, and what was tried. */
+/* e_d, how paths are made, and what was tried. */
 static void save_erpt(const Integrator *base, Saving *s)
 {
     const Erpt *it = (const Erpt *)base;
 
     save_double(s, it->deposit);
-    for (int k = 0; k < UNITS; k++)
+    for (int k = 0; k < UNITS; k++) {
         save_double(s, it->found[k]);
+        if (it->squares)
+            byway_save(&it->paths, &it->squares[k], s);
+    }
+    byway_save(&it->paths, &it->chance, s);
     if (it->proposals)
         film_save(&it->proposals->film, s);
 }
@@ -310,8 +375,12 @@ static bool load_erpt(Integrator *base, Loading *l)
     Erpt *it = (Erpt *)base;
 
     it->deposit = load_double(l);
-    for (int k = 0; k < UNITS; k++)
+    for (int k = 0; k < UNITS; k++) {
         it->found[k] = load_double(l);
+        if (it->squares)
+            byway_load(&it->paths, &it->squares[k], l);
+    }
+    byway_load(&it->paths, &it->chance, l);
     return !it->proposals || film_load(&it->proposals->film, l);
 }
 
@@ -326,21 +395,26 @@ static void close_erpt(Integrator *base)
     if (it->proposals)
         proposals_clear(it->proposals);
     mem_free(it->proposals);
+    mem_free(it->squares);
+    bothpaths_close(&it->paths);
     lightsampler_close(it->lights);
     mem_free(it);
 }
 
 /* False: memory, reported. */
-static bool set_filters(Erpt *it, const Opts *o)
+static bool set_storage(Erpt *it, const Opts *o)
 {
     bool even = !opt_is(o, "even", "no");
+    bool single = it->paths.sending && opt_is(o, "samples", "single");
 
     it->repeats = (int)opt_int(o, "repeats");
     it->median = opt_is(o, "even", "median");
     it->side = (int)opt_int(o, "side");
     if (even)
         it->proposals = MEM_NEW(Proposals);
-    return !even || it->proposals;
+    if (single)
+        it->squares = MEM_ARRAY(ByWay, UNITS);
+    return (!even || it->proposals) && (!single || it->squares);
 }
 
 static void set_flow(Erpt *it, const Opts *o)
@@ -366,11 +440,12 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->samples = SAMPLES;
     set_flow(it, o);
     it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
-    it->eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
-                          (int)opt_int(o, "roulette") };
+    it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
+                                (int)opt_int(o, "roulette") };
+    it->paths.least = direct ? 3 : 1;
     it->direct = direct ? direct_open(s, o) : NULL;
-    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "erpt") &&
-        set_filters(it, o))
+    if (it->lights && bothpaths_open(&it->paths, s, opt_bool(o, "lamps")) &&
+        (!direct || it->direct) && warn_of_scattering(s, "erpt") && set_storage(it, o))
         return &it->base;
     close_erpt(&it->base);
     return NULL;
@@ -385,6 +460,10 @@ static const OptDef options[] = {
       .help = "how energy goes from a sample to paths beside it" },
     { .key = "direct", .type = OPT_BOOL, .num = 1,
       .help = "direct light is apart, as that of the integrator direct" },
+    BOTHPATHS_OPTION,
+    { .key = "samples", .type = OPT_CHOICE, .str = "single", .choices = "single whole",
+      .help = "single: each is one path made in one way, with lamps; whole: all that paths from "
+              "both ends, or from the eye, come to" },
     { .key = "choice", .type = OPT_CHOICE, .str = "mixed", .choices = "mixed exclusive",
       .help = "exclusive: caustic perturbations where light comes by delta events, and nowhere "
               "else, as in the source" },
@@ -396,7 +475,7 @@ static const OptDef options[] = {
               "(biased); by the mean or the median of a square" },
     { .key = "side", .type = OPT_INT, .num = 7, .lo = 1, .hi = PROPOSALS_SIDE,
       .help = "of that square, pixels" },
-    MUTATION_OPTIONS(0.1, 0, 9),
+    MUTATION_OPTIONS(0.1, 0, 0),
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
       .help = "most scattering events of a path; 0 shows lights only" },
     { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
@@ -411,8 +490,9 @@ const IntegratorKind integrator_erpt = {
     .info = { "erpt", "Cline07 8", "samples of a path tracer, spread by chains of moved paths",
               options },
     .truth = UNBIASED,
-    .misses = "point and distant lights seen through delta surfaces; light that media scatter; "
-              "with filters of noise (even, repeats) it is biased",
+    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: "
+              "all of that light through them); light that media scatter; with filters of noise "
+              "(even, repeats) it is biased",
     .open = open_erpt, .close = close_erpt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = PHASES, .units = units, .run = run, .finish = finish,
     .save = save_erpt, .load = load_erpt, .keeps_all = true

@@ -10,96 +10,24 @@ void eyepath_begins(const Scene *s, LightPath *p, Tracer *t)
                                   : (V2){ 0, 0 };
 }
 
-/* ---- chances ---- */
-
-/* Of each delta event, and the rest, which is that of the smooth part. */
-typedef struct {
-    BsdfSample event[BSDF_DELTAS];
-    uint32_t name[BSDF_DELTAS];
-    float chance[BSDF_DELTAS], smooth;
-    int   n;
-} Choices;
-
-enum { SMOOTH_LEAST = 16 };             /* the smooth part has at least this part of the chance */
-
-/* By energy: the square of the index ratio is no part of that. */
-static void choices(const PathVertex *v, Choices *c)
+double eyepath_turns(LightPath *p, int i, Walk *w, Tracer *t)
 {
-    const Bsdf *b = v->at->b;
-    float sum = 0.0f, rest = 0.0f;
+    const PathVertex *v = &p->v[i];
+    BsdfSample s;
+    uint32_t event;
+    float chance = chance_draws(v->at, v->wo, false, i, t, &event, &s);
 
-    c->n = b->flags & BSDF_SPECULAR ? path_deltas(v->at, v->wo, c->event, c->name) : 0;
-    for (int k = 0; k < c->n; k++) {
-        c->chance[k] = rgb_lum(c->event[k].weight) * f_sqr(c->event[k].eta);
-        sum += c->chance[k];
-    }
-    if (b->flags & BSDF_SMOOTH)
-        rest = f_max(rgb_lum(b->kind->albedo(b, v->wo)) - sum, sum / (SMOOTH_LEAST - 1));
-    if (sum + rest > 0.0f)
-        for (int k = 0; k < c->n; k++)
-            c->chance[k] /= sum + rest;
-    c->smooth = sum > 0.0f ? rest / (sum + rest) : b->flags & BSDF_SMOOTH ? 1.0f : 0.0f;
-}
-
-static bool only_smooth(const PathVertex *v) { return !(v->at->b->flags & BSDF_SPECULAR); }
-
-/* Of going in a smooth direction. */
-static float smooth_pdf(const PathVertex *v, V3 wi)
-{
-    const Bsdf *b = v->at->b;
-    Choices c;
-
-    if (only_smooth(v))
-        return b->kind->pdf_w(b, v->wo, wi);
-    choices(v, &c);
-    return c.smooth * b->kind->pdf_w(b, v->wo, wi);
+    if (!(chance > 0.0f) ||
+        !(event == EVENT_SMOOTH ? path_turns_to(p, i, frame_out(&v->at->frame, s.wi), w)
+                                : path_turns_by(p, i, event, w)))
+        return 0.0;
+    return chance;
 }
 
 /* Of what the vertex does: a density, or the probability of a delta event. */
-static float chance_of(const PathVertex *v)
+static float chance_at(const PathVertex *v)
 {
-    Choices c;
-
-    if (path_vertex_is_smooth(v))
-        return smooth_pdf(v, v->wi);
-    choices(v, &c);
-    for (int k = 0; k < c.n; k++)
-        if (c.name[k] == v->event)
-            return c.chance[k];
-    return 0.0f;
-}
-
-/* On by the smooth part. 0: lost. */
-static float turns_smooth(LightPath *p, int i, float lobe, Walk *w, Tracer *t)
-{
-    const PathVertex *v = &p->v[i];
-    const Bsdf *b = v->at->b;
-    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, i));
-    BsdfSample s;
-
-    if (!b->kind->sample(b, v->wo, lobe, u, false, &s) || !(s.pdf_w > 0.0f) ||
-        !path_turns_to(p, i, frame_out(&v->at->frame, s.wi), w))
-        return 0.0f;
-    return s.pdf_w;
-}
-
-/* Vertex i does something by chance, and the walk goes on; gives the chance. 0: it ends. What is
- * left of the number that chose, chooses within the smooth part. */
-static float turns(LightPath *p, int i, Walk *w, Tracer *t)
-{
-    const PathVertex *v = &p->v[i];
-    float u = v->at->b->flags & BSDF_LOBES ? sample_1d(&t->sampler, DECISION(DECIDE_LOBE, i)) : 0;
-    Choices c;
-
-    if (only_smooth(v))
-        return turns_smooth(p, i, u, w, t);
-    choices(v, &c);
-    for (int k = 0; k < c.n; u -= c.chance[k++])
-        if (u < c.chance[k])
-            return path_turns_by(p, i, c.name[k], w) ? c.chance[k] : 0.0f;
-    if (!(c.smooth > 0.0f))
-        return 0.0f;
-    return c.smooth * turns_smooth(p, i, f_min(f_max(u, 0) / c.smooth, ONE_MINUS_ULP), w, t);
+    return chance_of(v->at, v->wo, v->wi, v->event);
 }
 
 /* ---- asking for a light ---- */
@@ -127,15 +55,14 @@ static float asked_pdf(const EyePaths *it, const LightPath *p, int i)
 
 enum { PLACE_DIGITS = 1000 };           /* to which a ray must meet the point that was asked for */
 
-/* The point of the shape, by the ray that goes there; nothing else may be in its way. */
-static bool meets_asked(LightPath *p, const Light *l, const LightSample *ls, Walk *w, Tracer *t)
+bool eyepath_meets_point(LightPath *p, const Light *l, V3 point, float dist, Walk *w, Tracer *t)
 {
     Surface s;
 
     if (!ray_meets(t, &w->ray, &w->medium, &w->passes, &s) ||
         scene_light_of(t->scene, &s) != l)
         return false;
-    return v_len(v_sub(s.p, ls->p)) * PLACE_DIGITS < ls->dist && path_ends(p, l, &s, w);
+    return v_len(v_sub(s.p, point)) * PLACE_DIGITS < dist && path_ends(p, l, &s, w);
 }
 
 /* Vertex i asks for a light, which becomes the end; its chance is asked_pdf. False: none, or it is
@@ -156,7 +83,8 @@ static bool asks(const EyePaths *it, LightPath *p, int i, Tracer *t)
     w = (Walk){ vertex_ray(v->at, ls.wi), medium_beyond(&v->at->s, ls.wi, v->medium),
                 { 1, 1, 1 }, -1.0f };
     if (!l->kind->delta && !l->kind->infinite)
-        return meets_asked(p, l, &ls, &w, t) && path_joins(p, i) && path_colours(p);
+        return eyepath_meets_point(p, l, ls.p, ls.dist, &w, t) && path_joins(p, i) &&
+               path_colours(p);
     return path_ends(p, l, NULL, &w) && path_joins(p, i) && path_is_clear(p, i, t) &&
            path_colours(p);
 }
@@ -175,7 +103,7 @@ static void completes_by_meeting(const EyePaths *it, LightPath *p, const Light *
         return;
     if (last > 0 && path_vertex_is_smooth(&p->v[last]))
         other = asked_pdf(it, p, last);
-    found(ctx, p, 1.0 / (before * (chance + other)), t);
+    found(ctx, p, BY_EYE, 1.0 / (before * (chance + other)), t);
 }
 
 static void completes_by_asking(const EyePaths *it, LightPath *p, double before, Tracer *t,
@@ -187,8 +115,8 @@ static void completes_by_asking(const EyePaths *it, LightPath *p, double before,
     if (!asks(it, p, last, t))
         return;
     if (!p->end.light->kind->delta)
-        other = smooth_pdf(&p->v[last], p->v[last].wi);
-    found(ctx, p, 1.0 / (before * ((double)asked_pdf(it, p, last) + other)), t);
+        other = chance_at(&p->v[last]);
+    found(ctx, p, BY_EYE, 1.0 / (before * ((double)asked_pdf(it, p, last) + other)), t);
 }
 
 /* What is left of a unit of energy, for roulette. */
@@ -215,12 +143,13 @@ static double survives(const EyePaths *it, const LightPath *p, int i, double den
 }
 
 void eyepath_traced(const EyePaths *it, LightPath *p, Vertex *const *rooms, Tracer *t,
-                    EyePathFound *found, void *ctx)
+                    EyePathFound *found, void *ctx, EyeTrace *how)
 {
     const Scene *s = it->scene;
     Walk w = path_leaves_eye(p, s);
-    double before = 1.0, chance = 1.0;          /* of all but the last event, and of that */
+    double before = 1.0, chance = 1.0, lets = 1.0;      /* of all but the last event, and of that */
 
+    how->met = 0;
     for (int i = 1;; i++) {
         const Surface *at = &rooms[i]->s;
         bool arrived = path_arrives(p, i, &w, rooms[i], t);
@@ -232,13 +161,17 @@ void eyepath_traced(const EyePaths *it, LightPath *p, Vertex *const *rooms, Trac
                                  ctx);
         if (!arrived || i > it->maxdepth)
             return;
+        how->met = i;
+        how->let[i] = lets;
         before *= chance;
         p->edges = i + 1;
         completes_by_asking(it, p, before, t, found, ctx);
-        chance = turns(p, i, &w, t);
+        chance = eyepath_turns(p, i, &w, t);
         if (!(chance > 0.0))
             return;
-        before *= survives(it, p, i, before * chance, t);
+        lets = survives(it, p, i, before * chance, t);
+        before *= lets;
+        lets *= how->let[i];
         if (!(before > 0.0))
             return;
     }
@@ -279,7 +212,7 @@ bool eyepath_new(const EyePaths *it, LightPath *p, Vertex *const *rooms, Tracer 
             return false;
         if (i == last && is_asking(&p->v[i], t))
             return asks(it, p, i, t);
-        if (!(turns(p, i, &w, t) > 0.0f))
+        if (!(eyepath_turns(p, i, &w, t) > 0.0))
             return false;
     }
     return meets_light(it, p, &w, t) && path_colours(p);
@@ -292,18 +225,26 @@ static double met(const EyePaths *it, const LightPath *p)
     return k->delta ? 0.0 : k->infinite ? 1.0 / (double)it->scene->ninfinite : 1.0;
 }
 
-double eyepath_density(const EyePaths *it, const LightPath *p)
+double eyepath_whole_density(const EyePaths *it, const LightPath *p, double before)
 {
     int last = p->edges - 1;
-    double density = 1.0;
+    double meets = p->end.light->kind->delta ? 0.0 : last ? (double)chance_at(&p->v[last]) : 1.0;
 
-    for (int i = 1; i < last; i++)
-        density *= chance_of(&p->v[i]);
+    return before *
+           (meets + (last && path_vertex_is_smooth(&p->v[last]) ? asked_pdf(it, p, last) : 0.0));
+}
+
+double eyepath_density(const EyePaths *it, const LightPath *p, double before)
+{
+    int last = p->edges - 1;
+    double meets = met(it, p);
+
     if (!last)
-        return met(it, p);
+        return meets;
+    if (meets > 0.0)
+        meets *= chance_at(&p->v[last]);
     if (!(p->v[last].at->b->flags & BSDF_SMOOTH))
-        return density * chance_of(&p->v[last]) * met(it, p);
-    density *= 0.5 * chance_of(&p->v[last]) * met(it, p) +
-               (path_vertex_is_smooth(&p->v[last]) ? 0.5 * asked_pdf(it, p, last) : 0.0);
-    return density;
+        return before * meets;
+    return before * (0.5 * meets +
+                     (path_vertex_is_smooth(&p->v[last]) ? 0.5 * asked_pdf(it, p, last) : 0.0));
 }

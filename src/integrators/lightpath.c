@@ -134,6 +134,45 @@ bool path_turns_to(LightPath *p, int i, V3 d, Walk *w)
     return true;
 }
 
+/* ---- growing from the light ---- */
+
+bool path_arrives_back(LightPath *p, int i, Walk *w, Vertex *room, Tracer *t)
+{
+    if (!ray_meets(t, &w->ray, &w->medium, &w->passes, &room->s))
+        return false;
+    *(i + 1 < p->edges ? &p->v[i + 1].passes : &p->end.passes) = w->passes;
+    p->v[i].at = room;
+    return true;
+}
+
+void path_goes_back(LightPath *p, int i, V3 d, Walk *w)
+{
+    PathVertex *v = &p->v[i];
+
+    w->ray = vertex_ray(v->at, d);
+    w->medium = v->medium = medium_beyond(&v->at->s, d, w->medium);
+    w->passes = rgb_all(1.0f);
+}
+
+bool path_reaches_lens(LightPath *p, Places where, const Walk *w, CameraSample *c, Tracer *t)
+{
+    const Camera *camera = t->scene->camera;
+    PathVertex *v = &p->v[1];
+    Surface *s = &v->at->s;
+    LightSample to;
+    Ray ray;
+
+    if (!camera->kind->sample(camera, s->p, p->lens, p->time, c) || !places_hold(where, c->pixel))
+        return false;
+    s->width = c->dist * t->spread;
+    vertex_make(v->at, t->scene, w->ray.d);
+    v->medium = medium_beyond(s, c->wi, w->medium);
+    v->passes = rgb_all(1.0f);
+    to = (LightSample){ .wi = c->wi, .dist = c->dist, .p = c->p };
+    ray = shadow_ray(s, &to);
+    return tracer_passes(t, &ray, v->medium, &v->passes);
+}
+
 /* ---- ends ---- */
 
 static bool end_is_shape(const PathEnd *e)

@@ -65,7 +65,7 @@ typedef struct {
 
 /* ---- growing from the eye ---- */
 
-/* What flies to the next vertex. */
+/* What flies to the next vertex, on either side. */
 typedef struct {
     Ray   ray;
     uint32_t medium;
@@ -95,6 +95,24 @@ int  path_deltas(const Vertex *at, V3 wo, BsdfSample s[BSDF_DELTAS], uint32_t na
 /* The walk from vertex edges-1, or from the lens, ends on l: at the surface that it has met, or (s
  * NULL) beyond the scene. False: no light comes from there. */
 bool path_ends(LightPath *p, const Light *l, const Surface *s, const Walk *w);
+
+/* ---- growing from the light ---- */
+
+/* Where places on the picture may be. */
+typedef struct { V2 lo, size; } Places;
+INLINE bool places_hold(Places w, V2 p)
+{
+    return p.x >= w.lo.x && p.x < w.lo.x + w.size.x && p.y >= w.lo.y && p.y < w.lo.y + w.size.y;
+}
+
+/* The walk from the light's side meets vertex i, in the room, whose model is not made yet; what
+ * media left belongs to the edge before. False: it meets nothing. */
+bool path_arrives_back(LightPath *p, int i, Walk *w, Vertex *room, Tracer *t);
+/* On from vertex i, towards the eye, in the world's direction d. */
+void path_goes_back(LightPath *p, int i, V3 d, Walk *w);
+/* Vertex 1 is shown to the lens, at *c: a place that is among these. False: something stands in
+ * between, or it is elsewhere. */
+bool path_reaches_lens(LightPath *p, Places where, const Walk *w, CameraSample *c, Tracer *t);
 
 /* ---- joining ---- */
 
@@ -132,6 +150,32 @@ void path_copies(LightPath *y, const LightPath *x, Vertex *const *rooms, const S
 void path_save(const LightPath *p, const Scene *s, Saving *to);
 /* Into the rooms that p has, for at most so many edges. False: it does not fit. */
 bool path_load(LightPath *p, int most, const Scene *s, Loading *l);
+
+/* ---- changes of measure ---- */
+
+/* Of light that is followed from the lamp instead of from the eye, [Veach97 5.2, 5.3]: what a
+ * vertex contributes, in the sense of errata 7.10; */
+INLINE double path_turn(const PathVertex *v)
+{
+    double change = (double)v->cos_o / v->cos_i;
+    return path_vertex_is_smooth(v) ? change
+                                    : change * (double)f_sqr(v->eta) * fabsf(v->wi.z / v->wo.z);
+}
+/* and what the lamp does: its |cos|; where it has a place only, L is I / d^2; from beyond the scene
+ * areas are across the light. */
+INLINE double path_ending(const LightPath *p)
+{
+    const LightKind *k = p->end.light->kind;
+    return k->delta == DELTA_PLACE ? (double)p->end.to.dist * p->end.to.dist
+           : k->infinite || k->delta ? 1.0 : (double)p->end.cosine;
+}
+/* and the lens, for vertex 1: from directions there to places on a picture of area 1. */
+INLINE double path_lens(const LightPath *p, const Camera *camera)
+{
+    CameraSample c;
+    return camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &c)
+               ? (double)c.we / c.pdf_w : 0.0;
+}
 
 /* The change of solid angle, as seen from vertex i's eye side, to area at vertex i+1 or the end. */
 INLINE float path_area(const LightPath *p, int i)

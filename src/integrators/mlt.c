@@ -2,60 +2,62 @@
  *
  * Source      [Cline07 7.11, 7.12, figs 7.23, 7.24; errata 7.3, 7.4, 7.5, 7.10], [Veach97 11].
  * Idea        A chain goes from path to path: by a small move, see mutations.h, or now and then to
- *             a new path, see eyepaths.h; it comes to each in proportion to the luminance of its
+ *             a new path, see bothpaths.h; it comes to each in proportion to the luminance of its
  *             colour. So where light is found it is looked at from near by, pixel after pixel.
- * New paths   have a number of edges first, drawn by the root of the mean square of what the
- *             samples among which chains begin brought that way (and a little evenly): where
- *             colours over densities differ most, more are needed, or chains stay for long at the
- *             largest of them. Their mean goes on to refine how bright the picture is.
+ * New paths   have a number of edges and a way to be made first, drawn by the root of the mean
+ *             square of what the samples among which chains begin brought so (and a little evenly):
+ *             where colours over densities differ most, more are needed, or chains stay for long at
+ *             the largest of them. Their density is the sum over all ways, each with its chance.
+ *             Their mean goes on to refine how bright the picture is.
  * States      count alike, whatever their colour, for it is as states of this one measure that
  *             their mutations are weighed: Chain.brightness is 1, or 0 before any light is found.
  * Direct      light is left to `direct` with direct=yes, one sample of each pixel a pass: paths are
  *             those of which another event than the last is smooth. Direct light is found well by
  *             sampling, and chains would spend most of their time on it.
  * Invariants  Everything but the b of chains.h is unbiased at every step. */
+#include "integrators/bothpaths.h"
 #include "integrators/chains.h"
 #include "integrators/direct.h"
-#include "integrators/eyepaths.h"
 #include "integrators/mutations.h"
 
 #include "base/mem.h"
 
 typedef struct {
     Chains chains;
-    EyePaths eye;
+    BothPaths paths;
     Mutator mutator;
     LightSampler *lights;       /* owned */
     Integrator *direct;         /* owned; NULL: direct light is for chains, too */
     float fresh;                /* share of new paths */
     int   each;                 /* steps a pixel in a pass */
-    float pixels;               /* of the whole picture */
-    double length[LIGHTPATH_MOST + 1];  /* probability of that many edges */
+    ByWay chance;               /* of being chosen for a new path */
 } Mlt;
 
 typedef struct {
     Chain base;
-    LightPath x;                /* the state */
-    Vertex *storage;            /* owned: rooms for two paths */
-    Vertex *rooms[LIGHTPATH_MOST];      /* those that x has not */
-    double squares[LIGHTPATH_MOST + 1]; /* of the brightness of the first samples, by edges */
+    LightPath x;                /* the state, */
+    double now;                 /* and its as_new(); below 0: not worked out yet */
+    Vertex *storage;            /* owned: rooms for three paths */
+    Vertex *rooms[LIGHTPATH_MOST], *back[LIGHTPATH_MOST];       /* those that x has not */
+    ByWay  squares;             /* of the brightness of the first samples */
 } PathChain;
 
 /* ---- storage ---- */
 
-static int rooms_of(const Mlt *it) { return it->eye.maxdepth + 2; }
+static int rooms_of(const Mlt *it) { return it->paths.eye.maxdepth + 2; }
 
 static bool init_chain(Chains *cs, Chain *base)
 {
     PathChain *c = (PathChain *)base;
     int n = rooms_of((Mlt *)cs);
 
-    c->storage = MEM_ARRAY(Vertex, 2 * (size_t)n);
+    c->storage = MEM_ARRAY(Vertex, 3 * (size_t)n);
     if (!c->storage)
         return false;
     for (int i = 0; i < n; i++) {
         c->x.v[i].at = &c->storage[i];
         c->rooms[i] = &c->storage[n + i];
+        c->back[i] = &c->storage[2 * n + i];
     }
     return true;
 }
@@ -64,18 +66,20 @@ static void clear_chain(Chain *base) { mem_free(((PathChain *)base)->storage); }
 
 /* ---- what counts ---- */
 
+static Places places(const Mlt *it, const Tracer *t) { return mutator_places(&it->mutator, t); }
+
 /* The luminance that a path brings to the mean of the picture. */
 static double brightness(const Mlt *it, const LightPath *p, double scale, const Tracer *t)
 {
-    Places where = mutator_places(&it->mutator, t);
-    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->pixels);
+    Places where = places(it, t);
+    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->paths.pixels);
 
     return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
 }
 
 static void anywhere(const Mlt *it, LightPath *p, Tracer *t)
 {
-    Places where = mutator_places(&it->mutator, t);
+    Places where = places(it, t);
     V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
 
     p->pixel = (V2){ where.lo.x + u.x * where.size.x, where.lo.y + u.y * where.size.y };
@@ -84,7 +88,7 @@ static void anywhere(const Mlt *it, LightPath *p, Tracer *t)
 
 /* ---- samples to start with ---- */
 
-/* One of all ways to complete a path from the eye is kept, by its brightness. */
+/* One of all paths that a sample finds is kept, by its brightness. */
 typedef struct {
     const Mlt *it;
     PathChain *c;
@@ -92,14 +96,14 @@ typedef struct {
     double sum;
 } Choice;
 
-static void consider(void *ctx, const LightPath *p, double scale, Tracer *t)
+static void consider(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Choice *choice = ctx;
     PathChain *c = choice->c;
     double light = brightness(choice->it, p, scale, t);
 
     choice->sum += light;
-    c->squares[p->edges] += light * light;
+    c->squares.of[p->edges][by] += light * light;
     if (rng_unit(&choice->r) * choice->sum < light) {
         Vertex *mine[LIGHTPATH_MOST];
         for (int i = 1; i < p->edges; i++)
@@ -118,28 +122,17 @@ static float start(Chains *cs, Chain *base, uint64_t number, Tracer *t)
     sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)(number >> 32));
     sampler_start(&t->sampler, (uint32_t)number);
     anywhere(it, &p, t);
-    eyepath_traced(&it->eye, &p, c->rooms, t, consider, &choice);
+    c->now = -1.0;
+    bothpath_traced(&it->paths, &p, c->rooms, c->back, places(it, t), t, consider, &choice);
     return (float)choice.sum;
 }
 
-enum { EVENLY = 16 };                   /* numbers of edges: one part in so many is alike for all */
-
 /* By what the samples brought, in the order of the chains. */
-static void learn_lengths(Mlt *it)
+static void learn_chances(Mlt *it)
 {
-    int least = it->direct ? 3 : 1, most = it->eye.maxdepth + 1;
-    double sum = 0.0;
-
     for (size_t k = 0; k < it->chains.n; k++)
-        for (int n = least; n <= most; n++)
-            it->length[n] += ((PathChain *)chains_at(&it->chains, k))->squares[n];
-    for (int n = least; n <= most; n++) {
-        it->length[n] = sqrt(it->length[n]);
-        sum += it->length[n];
-    }
-    for (int n = least; n <= most; n++)
-        it->length[n] = (sum > 0.0 ? (1.0 - 1.0 / EVENLY) * it->length[n] / sum : 0.0) +
-                        (sum > 0.0 ? 1.0 / EVENLY : 1.0) / (most - least + 1);
+        byway_add(&it->paths, &it->chance, &((PathChain *)chains_at(&it->chains, k))->squares);
+    byway_becomes_chances(&it->paths, &it->chance);
 }
 
 static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
@@ -147,45 +140,37 @@ static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
     Mlt *it = (Mlt *)base;
 
     if (pass == 0 && phase == 1 && !it->chains.begun)
-        learn_lengths(it);
+        learn_chances(it);
     return chains_units(base, f, pass, phase);
 }
 
 /* ---- steps ---- */
 
-static int some_length(const Mlt *it, double u)
-{
-    int n = it->eye.maxdepth + 1;
-
-    while (n > 1 && (u -= it->length[n]) >= 0.0)
-        n--;
-    return n;
-}
-
 /* Brightness over density: the same for all states that new paths come to. */
 static double as_new(const Mlt *it, const LightPath *p, const Tracer *t)
 {
-    double density = it->length[p->edges] * eyepath_density(&it->eye, p);
+    double density = bothpath_density(&it->paths, &it->chance, p, places(it, t));
     return density > 0.0 ? brightness(it, p, 1.0 / density, t) : 0.0;
 }
 
 /* A new path; its probability to be accepted. */
-static double renewed(const Mlt *it, PathChain *c, LightPath *y, Rng *r, Tracer *t)
+static double renewed(const Mlt *it, PathChain *c, LightPath *y, double *as, Rng *r, Tracer *t)
 {
-    double light = 0.0, now;
+    double light = 0.0;
 
     sampler_pixel(&t->sampler, (uint32_t)c->base.key, UINT32_MAX);
     sampler_start(&t->sampler, (uint32_t)c->base.steps);
-    y->edges = some_length(it, rng_unit(r));
     anywhere(it, y, t);
-    if (eyepath_new(&it->eye, y, c->rooms, t))
+    if (bothpath_some(&it->paths, &it->chance, rng_unit(r), y, c->rooms, places(it, t), t))
         light = as_new(it, y, t);
+    *as = light;
     c->base.found += light;
     c->base.tries++;
     if (!(light > 0.0) || c->base.brightness == 0.0f)
         return light > 0.0;
-    now = as_new(it, &c->x, t);
-    return light < now ? light / now : 1.0;
+    if (c->now < 0.0)
+        c->now = as_new(it, &c->x, t);
+    return light < c->now ? light / c->now : 1.0;
 }
 
 static void show_path(const LightPath *p, double weight, Tracer *t)
@@ -205,18 +190,20 @@ static void step(Chains *cs, Chain *base, Tracer *t)
     const Mlt *it = (const Mlt *)cs;
     PathChain *c = (PathChain *)base;
     Rng r = { key_with(base->key, base->steps), 0 };
+    double a, as = -1.0;
     LightPath y;
-    double a;
     Step s;
 
     base->brightness = base->brightness > 0.0f;
-    a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &r, t)
+    a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &as, &r, t)
             : mutation_tried(&it->mutator, &c->x, &y, c->rooms, &r, t);
     s = chain_steps(cs, base, a > 0.0, (float)a, false, rng_unit(&r));
     if (s.left > 0.0)
         show_path(s.moves ? &c->x : &y, s.left, t);
-    if (s.moves)
+    if (s.moves) {
         path_moves(&c->x, &y, c->rooms);
+        c->now = as;
+    }
 }
 
 /* ---- what lasts ---- */
@@ -227,8 +214,7 @@ static void save_chain(const Chains *cs, const Chain *base, Saving *s)
 
     if (base->brightness > 0.0f)
         path_save(&c->x, cs->base.scene, s);
-    for (int n = 0; n <= LIGHTPATH_MOST; n++)
-        save_double(s, c->squares[n]);
+    byway_save(&((const Mlt *)cs)->paths, &c->squares, s);
 }
 
 static bool load_chain(const Chains *cs, Chain *base, Loading *l)
@@ -238,8 +224,8 @@ static bool load_chain(const Chains *cs, Chain *base, Loading *l)
     if (base->brightness > 0.0f &&
         !path_load(&c->x, rooms_of((const Mlt *)cs) - 1, cs->base.scene, l))
         return false;
-    for (int n = 0; n <= LIGHTPATH_MOST; n++)
-        c->squares[n] = load_double(l);
+    c->now = -1.0;
+    byway_load(&((const Mlt *)cs)->paths, &c->squares, l);
     return true;
 }
 
@@ -247,8 +233,7 @@ static void save_mlt(const Integrator *base, Saving *s)
 {
     const Mlt *it = (const Mlt *)base;
 
-    for (int n = 0; n <= LIGHTPATH_MOST; n++)
-        save_double(s, it->length[n]);
+    byway_save(&it->paths, &it->chance, s);
     chains_save(base, s);
 }
 
@@ -256,8 +241,7 @@ static bool load_mlt(Integrator *base, Loading *l)
 {
     Mlt *it = (Mlt *)base;
 
-    for (int n = 0; n <= LIGHTPATH_MOST; n++)
-        it->length[n] = load_double(l);
+    byway_load(&it->paths, &it->chance, l);
     return chains_load(base, l);
 }
 
@@ -277,7 +261,7 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
         return false;
     it->chains.pixels *= (uint64_t)it->each;
     mutator_prepare(&it->mutator, f);
-    it->pixels = (float)f->full_w * (float)f->full_h;
+    it->paths.pixels = (float)f->full_w * (float)f->full_h;
     return true;
 }
 
@@ -288,6 +272,7 @@ static void close_mlt(Integrator *base)
     chains_clear(&it->chains);
     if (it->direct)
         it->direct->kind->close(it->direct);
+    bothpaths_close(&it->paths);
     lightsampler_close(it->lights);
     mem_free(it);
 }
@@ -310,10 +295,12 @@ static Integrator *open_mlt(const Scene *s, const Opts *o)
     it->fresh = opt_float(o, "newpath");
     it->each = (int)opt_int(o, "mutations");
     it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
-    it->eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
-                          (int)opt_int(o, "roulette") };
+    it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
+                                (int)opt_int(o, "roulette") };
+    it->paths.least = direct ? 3 : 1;
     it->direct = direct ? direct_open(s, o) : NULL;
-    if (it->lights && (!direct || it->direct) && warn_of_scattering(s, "mlt"))
+    if (it->lights && bothpaths_open(&it->paths, s, opt_bool(o, "lamps")) &&
+        (!direct || it->direct) && warn_of_scattering(s, "mlt"))
         return &it->chains.base;
     close_mlt(&it->chains.base);
     return NULL;
@@ -327,6 +314,7 @@ static const OptDef options[] = {
       .help = "direct light is apart, as that of the integrator direct" },
     { .key = "newpath", .type = OPT_FLOAT, .num = 0.5, .lo = 1e-3, .hi = 1,
       .help = "share of new paths among mutations" },
+    BOTHPATHS_OPTION,
     MUTATION_OPTIONS(0.1, 0, 0),
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
       .help = "most scattering events of a path; 0 shows lights only" },
@@ -342,7 +330,8 @@ const IntegratorKind integrator_mlt = {
     .info = { "mlt", "Veach97 11; Cline07 7.11, 7.12",
               "chains of paths that move about the picture", options },
     .truth = CONSISTENT,
-    .misses = "point and distant lights seen through delta surfaces; light that media scatter",
+    .misses = "point and distant lights through delta surfaces, seen through such (without lamps: "
+              "all of that light through them); light that media scatter",
     .open = open_mlt, .close = close_mlt, .prepare = prepare, .radiance = radiance,
     .splats = true, .phases = CHAINS_PHASES, .anew = true, .units = units, .run = chains_run,
     .save = save_mlt, .load = load_mlt, .keeps_all = true

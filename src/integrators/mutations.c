@@ -30,13 +30,10 @@ static int joined(const LightPath *p, int *chains)
     return i;
 }
 
-/* Light may come to vertex i in a moved direction. */
+/* Light may come to vertex i by a moved way. */
 static bool is_lit(const LightPath *p, int i)
 {
-    const LightKind *k = p->end.light->kind;
-
-    return is_smooth(p, i) && (i == 1 || is_smooth(p, i - 1)) &&
-           (first_smooth(p, i + 1) < p->edges || !(k->infinite || k->delta == DELTA_DIRECTION));
+    return is_smooth(p, i) && (i == 1 || is_smooth(p, i - 1));
 }
 
 /* How many such there are beyond the first; *at: number `which` of them. */
@@ -52,14 +49,15 @@ static int inner_ones(const LightPath *p, int which, int *at)
 
 bool mutation_applies(Mutation m, const LightPath *p)
 {
-    int chains, at;
+    int chains, at, last;
 
     if (m == MUTATE_CAUSTIC)
         return is_lit(p, 1);
     if (m == MUTATE_INNER)
         return inner_ones(p, 0, &at) > 0;
-    joined(p, &chains);
-    return (chains > 0) == (m == MUTATE_MULTICHAIN);
+    last = joined(p, &chains);
+    return (last < p->edges || !p->end.light->kind->delta) &&
+           (chains > 0) == (m == MUTATE_MULTICHAIN);
 }
 
 Move mutation_move(Mutation m, const LightPath *p, float u)
@@ -129,12 +127,6 @@ static V3 direction_near(const Mutator *it, V3 d, Rng *r)
     return v_unit(frame_out(&f, v3(far * c, far * s, 1.0f)));
 }
 
-static bool is_on_picture(const Mutator *it, V2 p, const Tracer *t)
-{
-    Places w = mutator_places(it, t);
-    return p.x >= w.lo.x && p.x < w.lo.x + w.size.x && p.y >= w.lo.y && p.y < w.lo.y + w.size.y;
-}
-
 /* ---- from the eye ---- */
 
 /* The walk meets a light like that of x: on a surface, or the same one beyond the scene. */
@@ -156,7 +148,7 @@ static bool moved_from_eye(const Mutator *it, const LightPath *x, LightPath *y,
     Walk w;
 
     y->pixel = place_near(it, x->pixel, r);
-    if (!is_on_picture(it, y->pixel, t))
+    if (!places_hold(mutator_places(it, t), y->pixel))
         return false;
     w = path_leaves_eye(y, it->scene);
     for (int i = 1; i <= last && i < x->edges; i++) {
@@ -175,28 +167,35 @@ static bool moved_from_eye(const Mutator *it, const LightPath *x, LightPath *y,
 
 /* ---- from the light ---- */
 
+/* The same light from beyond the scene, along a line beside the old one. */
+static Ray ray_beside(const Mutator *it, const LightPath *x, Rng *r)
+{
+    V3 d = v_neg(path_way(x, x->edges - 1)), from = x->v[x->edges - 1].at->s.p;
+    float s, c, far, radius = it->scene->radius;
+    Frame f = frame_about(d);
+
+    m_sincos_turn(rng_unit(r), &s, &c);
+    far = radius * by_logarithm(it->least, it->most, r);
+    from = v_add(from, frame_out(&f, v3(far * c, far * s, 0.0f)));
+    from = v_sub(from, v_scale(d, v_dot(v_sub(from, it->scene->centre), d) + 2.0f * radius));
+    return (Ray){ .o = from, .d = d, .tmax = INFINITY, .time = x->time };
+}
+
 /* Leaves vertex `start`, or the end if that is the number of edges, in a moved direction. */
 static Walk leaves_light(const Mutator *it, const LightPath *x, int start, Rng *r)
 {
-    V3 d = direction_near(it, v_neg(path_way(x, start - 1)), r);
     const PathVertex *v = &x->v[start];
     const LightSample *to = &x->end.to;
+    V3 d;
 
+    if (start == x->edges && !is_finite(to->dist))
+        return (Walk){ ray_beside(it, x, r), x->end.medium, { 1, 1, 1 }, -1.0f };
+    d = direction_near(it, v_neg(path_way(x, start - 1)), r);
     if (start < x->edges)
         return (Walk){ vertex_ray(v->at, d), medium_beyond(&v->at->s, d, v->medium), { 1, 1, 1 },
                        -1.0f };
     return (Walk){ { .o = ray_origin(to->p, to->err, to->n, d), .d = d, .tmax = INFINITY,
                      .time = x->time }, x->end.medium, { 1, 1, 1 }, -1.0f };
-}
-
-/* The walk from the light's side meets vertex i; what media left belongs to the edge before. */
-static bool arrives_back(LightPath *y, int i, Walk *w, Vertex *room, Tracer *t)
-{
-    if (!ray_meets(t, &w->ray, &w->medium, &w->passes, &room->s))
-        return false;
-    *(i + 1 < y->edges ? &y->v[i + 1].passes : &y->end.passes) = w->passes;
-    y->v[i].at = room;
-    return true;
 }
 
 /* On by the delta event of that name, towards the eye. */
@@ -211,31 +210,8 @@ static bool goes_back(LightPath *y, int i, Walk *w)
         ;
     if (k < 0 || !vertex_turns(v->at, &s[k]))
         return false;
-    w->ray = vertex_ray(v->at, s[k].wi);
-    w->medium = v->medium = medium_beyond(&v->at->s, s[k].wi, w->medium);
-    w->passes = rgb_all(1.0f);
+    path_goes_back(y, i, s[k].wi, w);
     return true;
-}
-
-/* Vertex 1 is shown to the lens, at *c. */
-static bool reaches_lens(const Mutator *it, LightPath *y, Walk *w, CameraSample *c, Tracer *t)
-{
-    const Camera *camera = it->scene->camera;
-    PathVertex *v = &y->v[1];
-    Surface *s = &v->at->s;
-    LightSample to;
-    Ray ray;
-
-    if (!camera->kind->sample(camera, s->p, y->lens, y->time, c) ||
-        !is_on_picture(it, c->pixel, t))
-        return false;
-    s->width = c->dist * t->spread;
-    vertex_make(v->at, it->scene, w->ray.d);
-    v->medium = medium_beyond(s, c->wi, w->medium);
-    v->passes = rgb_all(1.0f);
-    to = (LightSample){ .wi = c->wi, .dist = c->dist, .p = c->p };
-    ray = shadow_ray(s, &to);
-    return tracer_passes(t, &ray, v->medium, &v->passes);
 }
 
 static bool moved_from_light(const Mutator *it, int at, const LightPath *x, LightPath *y,
@@ -246,16 +222,17 @@ static bool moved_from_light(const Mutator *it, int at, const LightPath *x, Ligh
     CameraSample c;
 
     for (int i = start - 1; i > at; i--) {
-        if (!arrives_back(y, i, &w, rooms[i], t))
+        if (!path_arrives_back(y, i, &w, rooms[i], t))
             return false;
         vertex_make(rooms[i], it->scene, w.ray.d);
         if (!goes_back(y, i, &w))
             return false;
     }
-    if (!arrives_back(y, at, &w, rooms[at], t))
+    if (!path_arrives_back(y, at, &w, rooms[at], t))
         return false;
     if (at == 1)
-        return reaches_lens(it, y, &w, &c, t) && path_turned_round(y, 1, start - 1, &c);
+        return path_reaches_lens(y, mutator_places(it, t), &w, &c, t) &&
+               path_turned_round(y, 1, start - 1, &c);
     vertex_make(rooms[at], it->scene, w.ray.d);
     y->v[at].medium = w.medium;
     return path_turned_round(y, at, start - 1, NULL) && path_is_clear(y, at - 1, t);
@@ -268,21 +245,11 @@ static bool moved_from_light(const Mutator *it, int at, const LightPath *x, Ligh
 static double change_to_light(const LightPath *p, int at, const Camera *camera)
 {
     int start = first_smooth(p, at + 1);
-    double change = start < p->edges ? (double)p->v[start].cos_o
-                    : p->end.light->kind->delta ? (double)p->end.to.dist * p->end.to.dist
-                                                : (double)p->end.cosine;
-    CameraSample c;
+    double change = start < p->edges ? (double)p->v[start].cos_o : path_ending(p);
 
-    for (int i = at; i < start; i++) {
-        const PathVertex *v = &p->v[i];
-        change *= (double)v->cos_o / v->cos_i;
-        if (!path_vertex_is_smooth(v))
-            change *= (double)f_sqr(v->eta) * fabsf(v->wi.z / v->wo.z);
-    }
-    if (at > 1)
-        return change / f_sqr(p->v[at].dist);
-    return camera->kind->sample(camera, p->v[1].at->s.p, p->lens, p->time, &c)
-               ? change * c.we / c.pdf_w : 0.0;
+    for (int i = at; i < start; i++)
+        change *= path_turn(&p->v[i]);
+    return at > 1 ? change / f_sqr(p->v[at].dist) : change * path_lens(p, camera);
 }
 
 double mutation_worth(Move m, const LightPath *p, const Camera *c)

@@ -9,7 +9,8 @@
  *                         so on from smooth vertex to smooth vertex, till two follow each other.
  *             caustic     the direction moves that light takes from the second smooth vertex, or
  *                         from its lamp, by delta events to the first, which the lens then sees
- *                         elsewhere;
+ *                         elsewhere; light from beyond the scene moves to the side instead, by as
+ *                         many radii of the scene, or its kind could not be moved at all;
  *             inner       the same further on: to a smooth vertex that follows another, to which
  *                         it is joined. None of the others moves what lies behind two neighbours
  *                         that are smooth, which chains keep till they find a new path. Not in
@@ -28,8 +29,13 @@
  *                 inner             the same with 1 / d^2 in place of what the lens has.
  *             From the light's side the weight of a vertex is |cos_o| / |cos_i| times that from the
  *             eye's, and for refraction eta^2 |wi.ns| / |wo.ns| times that: [Veach97 5.2, 5.3].
+ * Deltas      Light of a point, or from one direction, that comes by delta events to its first
+ *             smooth vertex has no density over directions there: what is said of such paths is
+ *             per direction, or place, at the lamp, so nothing moves them that would have to meet
+ *             it.
  * Symmetry    Offsets depend on the distance alone between old and new, on the plane of the picture
- *             and by the angle between directions: so the chance is the same both ways. */
+ *             or across the light, and by the angle between directions: so the chance is the same
+ *             both ways. */
 #ifndef INTEGRATORS_MUTATIONS_H
 #define INTEGRATORS_MUTATIONS_H
 
@@ -46,12 +52,12 @@ typedef struct {
     bool  always_caustic;       /* where light comes by delta events: nothing but that, 8.4.3 */
     float nearest, farthest;    /* on the picture, pixels, fig. 7.25; */
     float square;               /* or uniform in a square of this side; 0: not */
-    float least, most;          /* angles, radians, fig. 7.26 */
+    float least, most;          /* angles, radians, fig. 7.26; of what comes from beyond the scene
+                                 * ways to the side, in radii of the scene */
     V2    lo, hi;               /* the film's window */
 } Mutator;
 
 /* Where places on the picture may be: all that the filters of the window's pixels look at. */
-typedef struct { V2 lo, size; } Places;
 INLINE Places mutator_places(const Mutator *it, const Tracer *t)
 {
     const Filter *f = t->canvas->filter;

@@ -6,35 +6,51 @@
  * Invariants  Whatever stands in a file, a path that was read names nothing that is not there. */
 #include "integrators/lightpath.h"
 
-static void save_v2(Saving *s, V2 v)
+#include <stddef.h>
+
+/* So many numbers of 32 bits that stand one after the other in a struct: vectors may have more for
+ * their width's sake. */
+typedef struct { size_t at, n; } Member;
+#define ONE(type, name) { offsetof(type, name), 1 }
+#define TWO(type, name) { offsetof(type, name), 2 }
+#define THREE(type, name) { offsetof(type, name), 3 }
+#define MEMBERS_END { 0, 0 }
+
+static void save_members(const void *x, const Member *m, Saving *to)
 {
-    save_float(s, v.x);
-    save_float(s, v.y);
-}
-static V2 load_v2(Loading *l)
-{
-    float x = load_float(l);
-    return (V2){ x, load_float(l) };
+    for (; m->n; m++)
+        for (size_t k = 0; k < m->n; k++) {
+            uint32_t v;
+            memcpy(&v, (const char *)x + m->at + k * sizeof v, sizeof v);
+            save_u32(to, v);
+        }
 }
 
-static void save_v3(Saving *s, V3 v)
+static void load_members(void *x, const Member *m, Loading *l)
 {
-    save_float(s, v.x);
-    save_float(s, v.y);
-    save_float(s, v.z);
-}
-static V3 load_v3(Loading *l)
-{
-    float x = load_float(l), y = load_float(l);
-    return (V3){ x, y, load_float(l) };
+    for (; m->n; m++)
+        for (size_t k = 0; k < m->n; k++) {
+            uint32_t v = load_u32(l);
+            memcpy((char *)x + m->at + k * sizeof v, &v, sizeof v);
+        }
 }
 
-static void save_rgb(Saving *s, Rgb c) { save_v3(s, v3(c.r, c.g, c.b)); }
-static Rgb load_rgb(Loading *l)
-{
-    V3 v = load_v3(l);
-    return rgb(v.x, v.y, v.z);
-}
+static const Member of_surface[] = {
+    THREE(Surface, p), THREE(Surface, err), THREE(Surface, ng), THREE(Surface, ns),
+    TWO(Surface, uv), THREE(Surface, dpdu), THREE(Surface, dpdv), ONE(Surface, width),
+    ONE(Surface, time), MEMBERS_END
+}, of_vertex[] = {
+    THREE(PathVertex, wo), THREE(PathVertex, wi), THREE(PathVertex, way), ONE(PathVertex, cos_o),
+    ONE(PathVertex, cos_i), ONE(PathVertex, dist), ONE(PathVertex, event), ONE(PathVertex, eta),
+    THREE(PathVertex, scatters), THREE(PathVertex, passes), ONE(PathVertex, medium), MEMBERS_END
+}, of_end[] = {
+    THREE(PathEnd, d), THREE(PathEnd, to.wi), THREE(PathEnd, to.L), ONE(PathEnd, to.pdf_w),
+    ONE(PathEnd, to.dist), THREE(PathEnd, to.p), THREE(PathEnd, to.err), THREE(PathEnd, to.n),
+    ONE(PathEnd, cosine), THREE(PathEnd, passes), ONE(PathEnd, medium), MEMBERS_END
+}, of_path[] = {
+    TWO(LightPath, pixel), TWO(LightPath, lens), THREE(LightPath, eye), THREE(LightPath, way),
+    ONE(LightPath, time), THREE(LightPath, colour), MEMBERS_END
+};
 
 /* ---- surfaces ---- */
 
@@ -52,15 +68,7 @@ static void save_surface(const Surface *p, const Scene *s, Saving *to)
         g++;
     save_u32(to, g);
     save_u32(to, p->prim);
-    save_v3(to, p->p);
-    save_v3(to, p->err);
-    save_v3(to, p->ng);
-    save_v3(to, p->ns);
-    save_v2(to, p->uv);
-    save_v3(to, p->dpdu);
-    save_v3(to, p->dpdv);
-    save_float(to, p->width);
-    save_float(to, p->time);
+    save_members(p, of_surface, to);
 }
 
 static bool load_surface(Surface *p, const Scene *s, Loading *l)
@@ -71,15 +79,7 @@ static bool load_surface(Surface *p, const Scene *s, Loading *l)
         return false;
     p->shape = geometry_shape(&s->geometries[g], prim);
     p->prim = prim;
-    p->p = load_v3(l);
-    p->err = load_v3(l);
-    p->ng = load_v3(l);
-    p->ns = load_v3(l);
-    p->uv = load_v2(l);
-    p->dpdu = load_v3(l);
-    p->dpdv = load_v3(l);
-    p->width = load_float(l);
-    p->time = load_float(l);
+    load_members(p, of_surface, l);
     return p->shape->kind != SHAPE_INSTANCE;
 }
 
@@ -93,17 +93,7 @@ static bool medium_is_there(const Scene *s, uint32_t medium)
 static void save_vertex(const PathVertex *v, const Scene *s, Saving *to)
 {
     save_surface(&v->at->s, s, to);
-    save_v3(to, v->wo);
-    save_v3(to, v->wi);
-    save_v3(to, v->way);
-    save_float(to, v->cos_o);
-    save_float(to, v->cos_i);
-    save_float(to, v->dist);
-    save_u32(to, v->event);
-    save_float(to, v->eta);
-    save_rgb(to, v->scatters);
-    save_rgb(to, v->passes);
-    save_u32(to, v->medium);
+    save_members(v, of_vertex, to);
 }
 
 static bool load_vertex(PathVertex *v, Vertex *room, const Scene *s, Loading *l)
@@ -111,17 +101,7 @@ static bool load_vertex(PathVertex *v, Vertex *room, const Scene *s, Loading *l)
     if (!load_surface(&room->s, s, l))
         return false;
     v->at = room;
-    v->wo = load_v3(l);
-    v->wi = load_v3(l);
-    v->way = load_v3(l);
-    v->cos_o = load_float(l);
-    v->cos_i = load_float(l);
-    v->dist = load_float(l);
-    v->event = load_u32(l);
-    v->eta = load_float(l);
-    v->scatters = load_rgb(l);
-    v->passes = load_rgb(l);
-    v->medium = load_u32(l);
+    load_members(v, of_vertex, l);
     vertex_make(room, s, v->way);
     return medium_is_there(s, v->medium);
 }
@@ -130,38 +110,12 @@ static bool load_vertex(PathVertex *v, Vertex *room, const Scene *s, Loading *l)
 
 static bool is_shape(const Light *l) { return !l->kind->infinite && !l->kind->delta; }
 
-static void save_sample(const LightSample *to, Saving *s)
-{
-    save_v3(s, to->wi);
-    save_rgb(s, to->L);
-    save_float(s, to->pdf_w);
-    save_float(s, to->dist);
-    save_v3(s, to->p);
-    save_v3(s, to->err);
-    save_v3(s, to->n);
-}
-
-static void load_sample(LightSample *to, Loading *l)
-{
-    to->wi = load_v3(l);
-    to->L = load_rgb(l);
-    to->pdf_w = load_float(l);
-    to->dist = load_float(l);
-    to->p = load_v3(l);
-    to->err = load_v3(l);
-    to->n = load_v3(l);
-}
-
 static void save_lit(const PathEnd *e, const Scene *s, Saving *to)
 {
     save_u32(to, e->light->index);
     if (is_shape(e->light))
         save_surface(&e->s, s, to);
-    save_v3(to, e->d);
-    save_sample(&e->to, to);
-    save_float(to, e->cosine);
-    save_rgb(to, e->passes);
-    save_u32(to, e->medium);
+    save_members(e, of_end, to);
 }
 
 static bool load_lit(PathEnd *e, const Scene *s, Loading *l)
@@ -174,11 +128,7 @@ static bool load_lit(PathEnd *e, const Scene *s, Loading *l)
     if (is_shape(e->light) &&
         (!load_surface(&e->s, s, l) || scene_light_of(s, &e->s) != e->light))
         return false;
-    e->d = load_v3(l);
-    load_sample(&e->to, l);
-    e->cosine = load_float(l);
-    e->passes = load_rgb(l);
-    e->medium = load_u32(l);
+    load_members(e, of_end, l);
     return medium_is_there(s, e->medium);
 }
 
@@ -187,15 +137,10 @@ static bool load_lit(PathEnd *e, const Scene *s, Loading *l)
 void path_save(const LightPath *p, const Scene *s, Saving *to)
 {
     save_u32(to, (uint32_t)p->edges);
-    save_v2(to, p->pixel);
-    save_v2(to, p->lens);
-    save_v3(to, p->eye);
-    save_v3(to, p->way);
-    save_float(to, p->time);
+    save_members(p, of_path, to);
     for (int i = 1; i < p->edges; i++)
         save_vertex(&p->v[i], s, to);
     save_lit(&p->end, s, to);
-    save_rgb(to, p->colour);
 }
 
 bool path_load(LightPath *p, int most, const Scene *s, Loading *l)
@@ -205,16 +150,9 @@ bool path_load(LightPath *p, int most, const Scene *s, Loading *l)
     if (edges < 1 || edges > (uint32_t)most)
         return false;
     p->edges = (int)edges;
-    p->pixel = load_v2(l);
-    p->lens = load_v2(l);
-    p->eye = load_v3(l);
-    p->way = load_v3(l);
-    p->time = load_float(l);
+    load_members(p, of_path, l);
     for (int i = 1; i < p->edges; i++)
         if (!load_vertex(&p->v[i], p->v[i].at, s, l))
             return false;
-    if (!load_lit(&p->end, s, l))
-        return false;
-    p->colour = load_rgb(l);
-    return !l->beyond;
+    return load_lit(&p->end, s, l) && !l->beyond;
 }
