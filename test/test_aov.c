@@ -127,6 +127,91 @@ static void light_by_length(void)
     }
 }
 
+/* A matt room with a pane and a ball of glass, a mirror, a lamp and a sky: whatever a method does,
+ * its paths lead there through things that take some of the light. */
+static void room_of_glass(Lab *l)
+{
+    uint32_t grey, glass;
+
+    lab_init(l);
+    grey = lab_material(l, "diffuse", "reflectance=0.6/0.5/0.4");
+    glass = lab_material(l, "dielectric", "transmittance=0.8/0.9/1");
+    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), grey);
+    lab_quad(l, v3(-3, 3, 0), v3(6, 0, 0), v3(0, 0, 4),
+             lab_material(l, "mirror", "reflectance=0.7/0.8/0.9"));
+    lab_sphere(l, v3(0.6f, 0, 0.8f), 0.7f, glass, false);
+    lab_sphere(l, v3(-1, 0.5f, 0.7f), 0.6f,
+               lab_material(l, "phong", "reflectance=0.3,specular=0.4,exponent=12"), false);
+    lab_shine(l, lab_quad(l, v3(-1, -1, 3), v3(0, 1, 0), v3(1, 0, 0), grey), "L=9/8/7");
+    lab_light(l, "infinite", "L=0.3/0.4/0.5", NULL);
+    lab_light(l, "point", "from=1/-2/3,I=4", NULL);
+    lab_camera(l, v3(0.5f, -5, 2), v3(0, 0, 0.6f), 50, "");
+    lab_build(l);
+}
+
+/* The sum of the pictures first .. first + n - 1, by all channels of all pixels. */
+static double sum_of(const RenderSettings *s, const Film *f, int first, int n)
+{
+    double sum = 0;
+
+    for (int k = first; k < first + n; k++) {
+        Image im = picture_of(s, f, k);
+        for (size_t i = 0; i < (size_t)im.w * im.h; i++)
+            sum += (double)im.pixels[i].r + (double)im.pixels[i].g + (double)im.pixels[i].b;
+        image_clear(&im);
+    }
+    return sum;
+}
+
+/* All light that a method finds is of some length and found by some strategy. */
+static void expect_parts(const char *method)
+{
+    RenderSettings s;
+    RenderReport report;
+    double want, lengths, ways;
+    Film film;
+    Lab l;
+
+    room_of_glass(&l);
+    picture_settings(&l, &s, method, SIDE, SIDE, 2);
+    ask(&s, "emission=a.pfm");
+    ask(&s, "direct=b.pfm");
+    ask(&s, "indirect=c.pfm");
+    for (int k = 0; k < STRATEGIES; k++) {
+        char text[40];
+        sprintf(text, "strategy:%s=d.pfm", strategy_names[k]);
+        ask(&s, text);
+    }
+    picture_render(&l, &s, &film, &report);
+    want = sum_of(&s, &film, -1, 1);
+    lengths = sum_of(&s, &film, 0, 3);
+    ways = sum_of(&s, &film, 3, STRATEGIES);
+    EXPECT(want > 0, "%s: it shows %g", method, want);
+    EXPECT(fabs(lengths - want) <= 1e-4 * want, "%s: by length %.9g of %.9g", method, lengths,
+           want);
+    EXPECT(fabs(ways - want) <= 1e-4 * want, "%s: by strategy %.9g of %.9g", method, ways, want);
+    film_clear(&film);
+    lab_clear(&l);
+}
+
+static void parts_of_all_methods(void)
+{
+    static const char *const more[] = {
+        "photonmap:view=direct", "photonmap:caustics=0", "pssmlt:over=path",
+        "irradiancecache:photons=2000,caustics=2000", "instantradiosity:compensate=true,clamp=9",
+        "direct:lights=ward,strategy=light,tolerance=0.7", "direct:strategy=ris",
+        "direct:strategy=ris,tentative=4,samples=32", "direct:strategy=cut",
+        "direct:strategy=twostage", "path:strategy=ris"
+    };
+
+    for (int i = 0; integrators[i]; i++) {
+        const char *name = integrators[i]->info.name;
+        expect_parts(strcmp(name, "photons") ? name : "photons:ball=2");
+    }
+    for (size_t k = 0; k < sizeof more / sizeof *more; k++)
+        expect_parts(more[k]);
+}
+
 /* Of direct light two edges; of all light the mean over lengths, which length:N gives too. */
 static void edges(void)
 {
@@ -270,6 +355,7 @@ static void layers(void)
 const TestCase test_aov[] = {
     { "what_is_met", what_is_met, false },
     { "light_by_length", light_by_length, false },
+    { "parts_of_all_methods", parts_of_all_methods, false },
     { "edges", edges, false },
     { "variance", variance, false },
     { "layers", layers, false },

@@ -1,5 +1,6 @@
 /* test_cli.c -- the command line: what every command answers to right and wrong words, with its
  * exact messages and exit status. Pictures are the business of test_cli_render.c. */
+#include "base/version.h"
 #include "cli/args.h"
 #include "lightsampling/lightsampler.h"
 #include "render/render.h"
@@ -125,8 +126,9 @@ static void unknown_words(void)
     static const Wrong CASES[] = {
         { "rendr", "unknown command 'rendr', did you mean 'render'?; see rushlight help" },
         { "lst integrators", "unknown command 'lst', did you mean 'list'?; see rushlight help" },
-        { "frobnicate", "unknown command 'frobnicate'; see rushlight help" },
-        { "''", "unknown command ''; see rushlight help" },
+        { "frobnicate", "unknown command 'frobnicate', and there is no file of that name; see "
+          "rushlight help" },
+        { "''", "unknown command '', and there is no file of that name; see rushlight help" },
         { "help convrt", "unknown command 'convrt', did you mean 'convert'?; see rushlight help" },
         { "--help inof", "unknown command 'inof', did you mean 'info'?; see rushlight help" },
         { "help info render", "help takes one command" },
@@ -141,6 +143,11 @@ static void unknown_words(void)
         { "compare a b --mx 3",
           "compare: unknown option '--mx', did you mean '--max'?; see rushlight help compare" },
         { "info --quiet", "info: unknown option '--quiet'; see rushlight help info" },
+        { "--versoin",
+          "render: unknown option '--versoin', did you mean '--version'?; see rushlight help "
+          "render" },
+        { "list --hlep", "list: unknown option '--hlep', did you mean '--help'?; see rushlight "
+          "help list" },
         { "list light lights", "list takes one kind" },
     };
     EXPECT_WRONG(CASES, STATUS_USAGE);
@@ -199,7 +206,7 @@ static void missing_words(void)
         { "convert a", "convert takes two names, the image to read and the one to write" },
         { "convert a b c", "convert takes two names, the image to read and the one to write" },
         { "info", "info takes a file" },
-        { "info a b", "info takes one file" },
+        { "info a b", "info takes one file, got 'a' and 'b'" },
     };
     EXPECT_WRONG(CASES, STATUS_USAGE);
 }
@@ -315,6 +322,7 @@ static void wrong_inputs(void)
         { "convert nosuch.hdr x.png", "nosuch.hdr: cannot be opened: No such file or directory" },
         { "compare nosuch.hdr x.png", "nosuch.hdr: cannot be opened: No such file or directory" },
         { ".", ".: a scene was expected: .pbrt, .obj or .ply" },
+        { "render ''", "'': a scene was expected: .pbrt, .obj or .ply" },
         { "folder.pbrt", "folder.pbrt: is a folder, a file was expected" },
         { "info folder.ply", "folder.ply: is a folder, a file was expected" },
         { "info .", ".: is a folder, a file was expected" },

@@ -116,7 +116,8 @@ static void partition(void)
         REQUIRE(vertex_meet(&v, &r, &t), "the floor");
         for (size_t k = 0; k < sizeof ways / sizeof ways[0]; k++) {
             Turn on = turn_on(&v, r.d, NO_MEDIUM, 0);
-            Turn within = { NULL, v3(0.1f, 0.2f, 0.4f), { 0, 0, 0 }, r.d, 0.6f, 0, NO_MEDIUM, 0 };
+            Turn within = { NULL, v3(0.1f, 0.2f, 0.4f), { 0, 0, 0 }, r.d, 0.6f, 0, NO_MEDIUM, 0,
+                            { 1, 1, 1 } };
             Lighting it;
             Opts o;
             char method[100];
@@ -281,7 +282,8 @@ static Rgb peak_sky(V3 w) { return rgb_all((float)peak(0.5 + 0.5 * (double)w.z))
 
 static double scattered(const Lighting *it, const Resampling *r, Sampler *s)
 {
-    Turn u = { NULL, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 }, 0, 0, NO_MEDIUM, 0 };
+    Turn u = { NULL, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 }, 0, 0, NO_MEDIUM, 0,
+               { 1, 1, 1 } };
     Stat st = { 0, 0, 0, 0, 0 };
     Tracer t;
 

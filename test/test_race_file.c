@@ -132,7 +132,8 @@ static void wrong(void)
         { "Sampler \"randm\"",
           "dir/x.race:1:9: unknown sampler 'randm', did you mean 'random'? (have:*" },
         { "Output \"a.gif\"",
-          "dir/x.race:1:8: 'a.gif' is of no format that can be written, expected one of*" },
+          "dir/x.race:1:8: 'a.gif' is of no format that can be written, one of these was "
+          "expected: *" },
         { "Output", "dir/x.race:1:7: expected the name of a picture in quotes" },
         { "Reference \"a.pfm\" \"integer spp\" 4",
           "dir/x.race:1:1: only the reference \"auto\" has parameters" },

@@ -53,6 +53,8 @@ static void say(Place at, const char *kind, const char *fmt, va_list args)
 {
     char line[1400], text[900], where[360] = "";
 
+    if (at.file && !at.file[0])
+        at.file = "''";
     vsnprintf(text, sizeof text, fmt, args);
     if (at.file && at.line > 0 && at.column > 0)
         snprintf(where, sizeof where, "%.320s:%d:%d: ", at.file, at.line, at.column);

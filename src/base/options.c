@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *const opt_type_names[] = { "bool", "integer", "float", "rgb", "point3", "floats",
+                                       "string", "choice" };
+
 /* True if `word` is one of the blank-separated words of `list`. */
 static bool in_words(const char *list, const char *word, size_t n)
 {

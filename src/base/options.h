@@ -18,6 +18,8 @@ typedef enum {
     OPT_CHOICE                  /* one of the words in `choices` */
 } OptType;
 
+extern const char *const opt_type_names[];      /* by type: "bool", "integer", ... */
+
 typedef struct {
     const char *key;
     OptType     type;

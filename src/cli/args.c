@@ -9,12 +9,12 @@
 
 static bool unknown(const Command *c, const char *word, size_t n)
 {
-    const char *names[64];
+    const char *names[64] = { "--help", "--version" };
     char name[64], hint[HINT_MAX];
-    size_t count = 0;
+    size_t count = 2;
 
-    for (; c->args[count].name && count < 64; count++)
-        names[count] = c->args[count].name;
+    for (const ArgDef *a = c->args; a->name && count < 64; a++)
+        names[count++] = a->name;
     snprintf(name, sizeof name, "%.*s", (int)n, word);
     return err_usage("%s: unknown option '%s'%s; see rushlight help %s", c->name, name,
                      hint_nearest(hint, name, names, count), c->name);
@@ -146,11 +146,14 @@ int failed_status(void)
     return s == STATUS_OK ? STATUS_INPUT : (int)s;
 }
 
-int finish_output(int status)
+/* An earlier failure has left its mark on the stream, but no longer in errno. */
+bool output_flush(void)
 {
-    if (fflush(stdout) || ferror(stdout)) {
-        err_output("standard output", "cannot be written: %s", strerror(errno));
-        return status == STATUS_OK ? STATUS_OUTPUT : status;
-    }
-    return status;
+    errno = 0;
+    if (!fflush(stdout) && !ferror(stdout))
+        return true;
+    if (err_status() == STATUS_OUTPUT)
+        return false;                   /* somebody has said so before */
+    return err_output("standard output", "cannot be written%s%s", errno ? ": " : "",
+                      errno ? strerror(errno) : "");
 }

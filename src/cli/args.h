@@ -1,9 +1,9 @@
-/* args.h -- options of a command: a table, read in any order, `--name value` or `--name=value`. */
+/* args.h -- commands, and the options of each: a table, read in any order, `--name value` or
+ * `--name=value`. cli.c has the list of commands. */
 #ifndef CLI_ARGS_H
 #define CLI_ARGS_H
 
 #include "base/error.h"
-#include "base/version.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -39,8 +39,8 @@ bool arg_window(const char *name, const char *value, uint32_t window[4]);       
 
 /* Exit status of a command that failed: the class of its first error. */
 int  failed_status(void);
-/* Flushes standard output; a failure there is an error too. Returns `status` or the error's. */
-int  finish_output(int status);
+/* Sends off what was printed. False: it could not be written, reported. */
+bool output_flush(void);
 
 /* The whole program: argv[0] is its name. May be called again and again in one process. */
 int  cli_run(int argc, char **argv);

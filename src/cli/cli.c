@@ -1,8 +1,11 @@
 /* cli.c -- the list of commands and how a command line is told to be one of them. */
 #include "base/file.h"
 #include "base/mem.h"
+#include "base/version.h"
 #include "cli/args.h"
+#include "cli/interrupt.h"
 
+#include <fcntl.h>
 #include <float.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,8 +42,9 @@ static const Command *command_for(const char *word, bool *is_file)
     }
     for (; commands[n] && n < 16; n++)
         names[n] = commands[n]->name;
+    hint_nearest(hint, word, names, n);
     err_usage("unknown command '%s'%s; see rushlight help", word,
-              hint_nearest(hint, word, names, n));
+              hint[0] ? hint : ", and there is no file of that name");
     return NULL;
 }
 
@@ -62,34 +66,57 @@ static bool arithmetic_is_right(void)
     return true;
 }
 
-int cli_run(int argc, char **argv)
+/* A stream that is closed stays closed: its number must not go to a file or a socket, into which
+ * messages would be written then. What holds its place cannot be written to, or read from. */
+static void hold_streams(void)
+{
+    for (int fd = 0; fd < 3; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd ? O_RDONLY : O_WRONLY) != fd)
+            return;
+}
+
+static bool asks_help(const char *word) { return !strcmp(word, "--help") || !strcmp(word, "-h"); }
+
+static int print_version(void)
+{
+    printf("rushlight " RUSHLIGHT_VERSION "\n");
+    return STATUS_OK;
+}
+
+static int run(int argc, char **argv)
 {
     const Command *c;
     bool is_file;
 
-    err_reset();
-    mem_limit(0);
-    arithmetic_is_right();
     if (argc < 2)
-        return finish_output(find("help")->run(0, argv));
-    if (!strcmp(argv[1], "--version")) {
-        printf("rushlight " RUSHLIGHT_VERSION "\n");
-        return finish_output(STATUS_OK);
-    }
-    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h"))
-        return finish_output(find("help")->run(argc - 2, argv + 2));
+        return find("help")->run(0, argv);
+    if (!strcmp(argv[1], "--version"))
+        return print_version();
+    if (asks_help(argv[1]))
+        return find("help")->run(argc - 2, argv + 2);
     c = command_for(argv[1], &is_file);
     if (!c)
         return STATUS_USAGE;
     for (int i = 2; i < argc && strcmp(argv[i], "--"); i++) {
         char *name[1];
         name[0] = (char *)c->name;
-        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h"))
-            return finish_output(find("help")->run(1, name));
-        if (!strcmp(argv[i], "--version")) {
-            printf("rushlight " RUSHLIGHT_VERSION "\n");
-            return finish_output(STATUS_OK);
-        }
+        if (asks_help(argv[i]))
+            return find("help")->run(1, name);
+        if (!strcmp(argv[i], "--version"))
+            return print_version();
     }
-    return finish_output(is_file ? c->run(argc - 1, argv + 1) : c->run(argc - 2, argv + 2));
+    return is_file ? c->run(argc - 1, argv + 1) : c->run(argc - 2, argv + 2);
+}
+
+int cli_run(int argc, char **argv)
+{
+    int status;
+
+    err_reset();
+    mem_limit(0);
+    arithmetic_is_right();
+    hold_streams();
+    limits_are_errors();
+    status = run(argc, argv);
+    return output_flush() || status != STATUS_OK ? status : STATUS_OUTPUT;
 }

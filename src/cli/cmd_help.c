@@ -1,4 +1,5 @@
 /* cmd_help.c -- the command `help`. */
+#include "base/version.h"
 #include "cli/args.h"
 
 #include <stdio.h>

@@ -1,6 +1,5 @@
 /* cmd_info.c -- the command `info`: what a scene, a mesh or an image holds. */
 #include "base/number.h"
-#include "base/text.h"
 #include "cli/args.h"
 #include "render/render.h"
 
@@ -18,7 +17,7 @@ static bool set(void *ctx, int k, const char *value)
 {
     (void)k;
     if (*(const char **)ctx)
-        return err_usage("info takes one file");
+        return err_usage("info takes one file, got '%s' and '%s'", *(const char **)ctx, value);
     *(const char **)ctx = value;
     return true;
 }
@@ -30,6 +29,13 @@ static void print_number(double v)
     printf(" %s", text);
 }
 
+static void print_three(double a, double b, double c)
+{
+    print_number(a);
+    print_number(b);
+    print_number(c);
+}
+
 static void print_box(Box b)
 {
     printf("bounds        ");
@@ -37,54 +43,58 @@ static void print_box(Box b)
         printf(" none\n");
         return;
     }
-    print_number(b.lo.x);
-    print_number(b.lo.y);
-    print_number(b.lo.z);
+    print_three(b.lo.x, b.lo.y, b.lo.z);
     printf("  to ");
-    print_number(b.hi.x);
-    print_number(b.hi.y);
-    print_number(b.hi.z);
+    print_three(b.hi.x, b.hi.y, b.hi.z);
     printf("\n");
+}
+
+typedef struct {
+    Rgb    least, most;
+    double mean[3];             /* of the finite ones */
+    unsigned long bad;          /* pixels that are not */
+} Extent;
+
+static Extent extent_of(const Image *im)
+{
+    Extent e = { rgb_all(INFINITY), rgb_all(-INFINITY), { 0, 0, 0 }, 0 };
+    size_t n = (size_t)im->w * im->h;
+
+    for (size_t i = 0; i < n; i++) {
+        Rgb c = im->pixels[i];
+        if (!rgb_finite(c)) {
+            e.bad++;
+            continue;
+        }
+        e.least = rgb(f_min(e.least.r, c.r), f_min(e.least.g, c.g), f_min(e.least.b, c.b));
+        e.most = rgb(f_max(e.most.r, c.r), f_max(e.most.g, c.g), f_max(e.most.b, c.b));
+        e.mean[0] += c.r;
+        e.mean[1] += c.g;
+        e.mean[2] += c.b;
+    }
+    for (int k = 0; k < 3; k++)
+        e.mean[k] = n > e.bad ? e.mean[k] / (double)(n - e.bad) : 0;
+    return e;
 }
 
 static int info_image(const char *path)
 {
     Image im = { 0 };
-    Rgb least = rgb_all(INFINITY), most = rgb_all(-INFINITY);
-    double sum[3] = { 0, 0, 0 };
-    unsigned long bad = 0;
-    size_t n;
+    Extent e;
 
     if (!image_read(&im, path, IMAGE_PIXELS_DEFAULT))
         return failed_status();
-    n = (size_t)im.w * im.h;
-    for (size_t i = 0; i < n; i++) {
-        Rgb c = im.pixels[i];
-        if (!rgb_finite(c)) {
-            bad++;
-            continue;
-        }
-        least = rgb(f_min(least.r, c.r), f_min(least.g, c.g), f_min(least.b, c.b));
-        most = rgb(f_max(most.r, c.r), f_max(most.g, c.g), f_max(most.b, c.b));
-        sum[0] += c.r;
-        sum[1] += c.g;
-        sum[2] += c.b;
-    }
+    e = extent_of(&im);
     printf("image          %lux%lu\n", (unsigned long)im.w, (unsigned long)im.h);
     printf("mean          ");
-    for (int k = 0; k < 3; k++)
-        print_number(n > bad ? sum[k] / (double)(n - bad) : 0);
-    if (n > bad) {
+    print_three(e.mean[0], e.mean[1], e.mean[2]);
+    if ((size_t)im.w * im.h > e.bad) {
         printf("\nleast         ");
-        print_number(least.r);
-        print_number(least.g);
-        print_number(least.b);
+        print_three(e.least.r, e.least.g, e.least.b);
         printf("\nmost          ");
-        print_number(most.r);
-        print_number(most.g);
-        print_number(most.b);
+        print_three(e.most.r, e.most.g, e.most.b);
     }
-    printf("\nnot finite     %lu pixels\n", bad);
+    printf("\nnot finite     %lu pixels\n", e.bad);
     image_clear(&im);
     return STATUS_OK;
 }
@@ -152,14 +162,6 @@ static int info_scene(const char *path)
     return ok ? STATUS_OK : failed_status();
 }
 
-/* As scenefile_read picks its readers. */
-static bool is_scene(const char *path)
-{
-    const char *ext = path_extension(path);
-    Word w = { ext, strlen(ext) };
-    return word_is_nocase(w, "pbrt") || word_is_nocase(w, "obj") || word_is_nocase(w, "ply");
-}
-
 static int run(int argc, char **argv)
 {
     const char *path = NULL;
@@ -170,5 +172,5 @@ static int run(int argc, char **argv)
         err_usage("info takes a file");
         return STATUS_USAGE;
     }
-    return is_scene(path) ? info_scene(path) : info_image(path);
+    return scenefile_is_scene(path) ? info_scene(path) : info_image(path);
 }

@@ -8,9 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const type_names[] = { "bool", "integer", "float", "rgb", "point3", "floats",
-                                          "string", "choice" };
-
 static void print_default(const OptDef *d)
 {
     char v[NUMBER_MAX];
@@ -36,7 +33,7 @@ static void print_option(const OptDef *d)
 {
     char lo[NUMBER_MAX], hi[NUMBER_MAX];
 
-    printf("    %-18s %-8s ", d->key, type_names[d->type]);
+    printf("    %-18s %-8s ", d->key, opt_type_names[d->type]);
     print_default(d);
     if (d->type == OPT_CHOICE)
         printf("  {%s}", d->choices);

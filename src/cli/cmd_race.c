@@ -1,10 +1,10 @@
 /* cmd_race.c -- the command `race`: several methods on one scene, error against samples and time.
  * The race comes from the command line, or from a file (racefile.c) that options then change. */
 #include "base/number.h"
-#include "base/text.h"
 #include "base/work.h"
 #include "cli/args.h"
 #include "cli/interrupt.h"
+#include "cli/outputs.h"
 #include "cli/racetable.h"
 #include "cli/sceneargs.h"
 
@@ -135,13 +135,6 @@ static bool set(void *ctx, int k, const char *value)
 
 /* ---- what is asked for ---- */
 
-static bool is_scene(const char *path)
-{
-    const char *ext = path_extension(path);
-    Word w = { ext, strlen(ext) };
-    return word_is_nocase(w, "pbrt") || word_is_nocase(w, "obj") || word_is_nocase(w, "ply");
-}
-
 static bool read_order(Line *l, const Command *c, int argc, char **argv)
 {
     RaceOrder *o = &l->order;
@@ -152,7 +145,7 @@ static bool read_order(Line *l, const Command *c, int argc, char **argv)
     if (!l->file)
         return err_usage("race takes a scene (.pbrt, .obj or .ply) or a file of a race; see "
                          "rushlight help race");
-    if (is_scene(l->file))
+    if (scenefile_is_scene(l->file))
         o->scene = l->file;
     else if (!race_file_read(o, l->file, &l->limits))
         return false;
@@ -169,7 +162,7 @@ static bool read_order(Line *l, const Command *c, int argc, char **argv)
 }
 
 /* Before the hours of rendering, not after them. */
-static bool outputs_possible(const RaceOrder *o)
+static bool all_possible(const RaceOrder *o)
 {
     if ((o->csv && !out_possible(o->csv)) || (o->plot && !out_possible(o->plot)))
         return false;
@@ -219,7 +212,7 @@ static bool race_scene(Line *l, SceneFile *f, Race *race)
     RenderSettings s;
     bool ok;
 
-    if (!resolve(&l->order, f, &s) || !outputs_possible(&l->order) ||
+    if (!resolve(&l->order, f, &s) || !all_possible(&l->order) ||
         !scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
     s.stop = l->stop;

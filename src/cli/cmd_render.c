@@ -1,8 +1,6 @@
 /* cmd_render.c -- the command `render`: the main job. */
 #include "base/clock.h"
 #include "base/number.h"
-#include "base/work.h"
-#include "cli/args.h"
 #include "cli/displayargs.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
@@ -36,24 +34,29 @@ static const ArgDef args[] = {
     { NULL, NULL, NULL }
 };
 
+static int run(int argc, char **argv);
+
+const Command command_render = {
+    "render", "SCENE [-o FILE] [options]", "renders a scene (.pbrt, .obj, .ply) to a picture", args,
+    run
+};
+
 typedef struct {
-    const char *scene;
+    SceneLine asked;
     Outputs outputs;
     const char *state;          /* where it goes; NULL: nobody said */
     bool preview;
     bool keeps;                 /* it is written, however the render ends */
     double autosave;            /* seconds between states; 0: none */
-    RenderRequest request;
-    ReadLimits limits;
     const volatile sig_atomic_t *stop;
     Arena arena;                /* of options */
 } Line;
 
 static bool set_aov(Line *l, const char *value)
 {
-    if (l->request.naovs == AOVS_ASKED)
+    if (l->asked.request.naovs == AOVS_ASKED)
         return err_usage("at most %d --aov are possible", AOVS_ASKED);
-    l->request.aovs[l->request.naovs++] = value;
+    l->asked.request.aovs[l->asked.request.naovs++] = value;
     return true;
 }
 
@@ -71,7 +74,7 @@ static bool set_output(Line *l, const char *value)
 
 static bool set_number(Line *l, int k, const char *value)
 {
-    RenderRequest *q = &l->request;
+    RenderRequest *q = &l->asked.request;
     const char *name = args[k].name;
     int64_t n = 0;
     bool ok = true;
@@ -90,14 +93,10 @@ static bool set_number(Line *l, int k, const char *value)
 static bool set(void *ctx, int k, const char *value)
 {
     Line *l = ctx;
-    RenderRequest *q = &l->request;
+    RenderRequest *q = &l->asked.request;
 
     switch (k) {
-    case -1:
-        if (l->scene)
-            return err_usage("render takes one scene, got '%s' and '%s'", l->scene, value);
-        l->scene = value;
-        return true;
+    case -1:             return scene_line_set(&l->asked, &command_render, k, value);
     case ARG_OUTPUT:     return set_output(l, value);
     case ARG_RESUME:     q->resume = value; return true;
     case ARG_PREVIEW:    l->preview = true; return true;
@@ -112,7 +111,7 @@ static bool set(void *ctx, int k, const char *value)
         if (k < ARG_SCENE)
             return display_arg_set((DisplayArg)(k - ARG_DISPLAY), value, &l->outputs.display,
                                    &l->arena);
-        return scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
+        return scene_line_set(&l->asked, &command_render, k - ARG_SCENE, value);
     }
 }
 
@@ -180,27 +179,24 @@ static bool choose_output(Line *l, SceneFile *f)
 {
     const char *name = settings_filename(f);
 
-    if (l->request.shards && l->outputs.n)
+    if (l->asked.request.shards && l->outputs.n)
         return err_usage("--shard gives a share of a picture: -o takes FILE.part, and merge makes "
                          "%s", l->outputs.pictures[0]);
-    if (l->outputs.n || l->state || l->request.shards)
+    if (l->outputs.n || l->state || l->asked.request.shards)
         return true;
-    if (name) {
-        const char *ext = path_extension(name);
-        for (int i = 0; image_formats[i]; i++)
-            if (image_formats[i]->write && !strcmp(image_formats[i]->info.name, ext)) {
-                l->outputs.pictures[l->outputs.n++] = name;
-                return true;
-            }
+    if (name && image_format_of(name)) {
+        l->outputs.pictures[l->outputs.n++] = name;
+        return true;
     }
-    l->outputs.pictures[l->outputs.n] = with_ending(f, name ? name : base_name(l->scene), ".png");
+    l->outputs.pictures[l->outputs.n] = with_ending(f, name ? name : base_name(l->asked.scene),
+                                                    ".png");
     return l->outputs.pictures[l->outputs.n++] != NULL;
 }
 
 /* Where the state goes: where it came from, else beside the picture. */
 static bool choose_state(Line *l, SceneFile *f)
 {
-    const RenderRequest *q = &l->request;
+    const RenderRequest *q = &l->asked.request;
     char ending[60] = ".part";
 
     l->keeps = l->state || q->resume || q->shards || l->autosave > 0;
@@ -210,8 +206,8 @@ static bool choose_state(Line *l, SceneFile *f)
         snprintf(ending, sizeof ending, "-%lu-of-%lu.part", (unsigned long)q->shard + 1,
                  (unsigned long)q->shards);
     if (!l->state)
-        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0] : base_name(l->scene),
-                               ending);
+        l->state = with_ending(f, l->outputs.n ? l->outputs.pictures[0]
+                                               : base_name(l->asked.scene), ending);
     return l->state != NULL;
 }
 
@@ -291,8 +287,8 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     char t[32];
     bool ok;
 
-    if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) || !choose_output(l, f) ||
-        !choose_state(l, f) || !all_possible(l, &s))
+    if (!settings_resolve(&s, &l->asked.request, f) || !settings_camera(f) ||
+        !choose_output(l, f) || !choose_state(l, f) || !all_possible(l, &s))
         return false;
     if (s.integrator->unkept && l->keeps)
         return err_usage("%s: what it knows cannot be kept in a file; without --autosave, "
@@ -303,10 +299,10 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     outputs_prepare(&l->outputs, &s);
     s.keeper = s.integrator->unkept ? NULL : &keeper;
     s.scene_digest = digest;
-    s.max_file = l->limits.max_file;
+    s.max_file = l->asked.limits.max_file;
     if (!scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
-    note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->scene,
+    note("%s: %lu primitives, %lu lights, built in %s, %.1f MiB", l->asked.scene,
          (unsigned long)geometry_prims(f->scene->accel->geo), (unsigned long)f->scene->nlights,
          clock_text(t, sizeof t, clock_wall() - start), (double)mem_bytes() / 1048576.0);
     if (!render_seen(l, f->scene, &s, &film, &report))
@@ -318,13 +314,6 @@ static bool render_scene(Line *l, SceneFile *f, uint64_t digest, int *status)
     return ok;
 }
 
-static int run(int argc, char **argv);
-
-const Command command_render = {
-    "render", "SCENE [-o FILE] [options]", "renders a scene (.pbrt, .obj, .ply) to a picture", args,
-    run
-};
-
 static int render_file(Line *l)
 {
     SceneFile f;
@@ -332,10 +321,9 @@ static int render_file(Line *l)
     int status = STATUS_OK;
     bool ok;
 
-    l->request.max_pixels = l->limits.max_pixels;
     l->stop = interrupts_catch();
     file_digest_start();
-    ok = scenefile_read(&f, l->scene, &l->limits);
+    ok = scenefile_read(&f, l->asked.scene, &l->asked.limits);
     digest = file_digest();
     if (!ok)
         return failed_status();
@@ -346,17 +334,10 @@ static int render_file(Line *l)
 
 static int run(int argc, char **argv)
 {
-    Line l = { 0 };
-    ReadLimits limits = READ_LIMITS_DEFAULT;
-    bool ok;
-    int status;
+    Line l = { .state = NULL };
+    bool ok = scene_line_parse(&l.asked, &command_render, argc, argv, set, &l);
+    int status = ok ? render_file(&l) : failed_status();
 
-    l.limits = limits;
-    l.request.threads = processors();
-    ok = args_parse(&command_render, argc, argv, set, &l);
-    if (ok && !l.scene)
-        ok = err_usage("render takes a scene (.pbrt, .obj or .ply); see rushlight help render");
-    status = ok ? render_file(&l) : failed_status();
     arena_clear(&l.arena);
     return status;
 }

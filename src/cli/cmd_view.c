@@ -1,6 +1,4 @@
 /* cmd_view.c -- the command `view`: a scene looked at in a browser. */
-#include "base/work.h"
-#include "cli/args.h"
 #include "cli/interrupt.h"
 #include "cli/sceneargs.h"
 #include "view/server.h"
@@ -16,40 +14,33 @@ static const ArgDef args[] = {
     { NULL, NULL, NULL }
 };
 
+static int run(int argc, char **argv);
+
+const Command command_view = {
+    "view", "SCENE [options]",
+    "serves a viewer for browsers of this machine, at the address that it prints", args, run
+};
+
 typedef struct {
-    const char *scene;
-    RenderRequest request;
-    ReadLimits limits;
+    SceneLine asked;
     int port;
 } Line;
 
 static bool set(void *ctx, int k, const char *value)
 {
     Line *l = ctx;
-    RenderRequest *q = &l->request;
     int64_t n = 0;
-    bool ok;
+    bool ok = true;
 
     switch (k) {
-    case -1:
-        if (l->scene)
-            return err_usage("view takes one scene, got '%s' and '%s'", l->scene, value);
-        l->scene = value;
-        return true;
-    case ARG_INTEGRATOR:
-        q->integrator = value;
-        return true;
-    case ARG_SPP:
-        ok = arg_int("--spp", value, 1, UINT32_MAX, &n);
-        q->spp = (uint32_t)n;
-        return ok;
-    case ARG_PORT:
-        ok = arg_int("--port", value, 0, 65535, &n);
-        l->port = (int)n;
-        return ok;
-    default:
-        return scene_arg_set((SceneArg)(k - ARG_SCENE), value, q, &l->limits);
+    case -1:             return scene_line_set(&l->asked, &command_view, k, value);
+    case ARG_INTEGRATOR: l->asked.request.integrator = value; break;
+    case ARG_SPP:        ok = arg_int("--spp", value, 1, UINT32_MAX, &n);
+                         l->asked.request.spp = (uint32_t)n; break;
+    case ARG_PORT:       ok = arg_int("--port", value, 0, 65535, &n); l->port = (int)n; break;
+    default:             return scene_line_set(&l->asked, &command_view, k - ARG_SCENE, value);
     }
+    return ok;
 }
 
 /* False: reported. */
@@ -60,7 +51,7 @@ static bool view_scene(Line *l, SceneFile *f)
     Session *session;
     bool ok;
 
-    if (!settings_resolve(&s, &l->request, f) || !settings_camera(f) ||
+    if (!settings_resolve(&s, &l->asked.request, f) || !settings_camera(f) ||
         !scene_build(f->scene, s.accel, &s.accel_opts, s.threads))
         return false;
     messages_quiet(true);               /* progress is shown in the page */
@@ -72,32 +63,15 @@ static bool view_scene(Line *l, SceneFile *f)
     return ok;
 }
 
-static int run(int argc, char **argv);
-
-const Command command_view = {
-    "view", "SCENE [options]",
-    "serves a viewer for browsers of this machine, at the address that it prints", args, run
-};
-
 /* What goes wrong in the browser is told there: only what keeps the viewer from its work counts. */
 static int run(int argc, char **argv)
 {
-    Line l = { 0 };
-    ReadLimits limits = READ_LIMITS_DEFAULT;
+    Line l = { .asked.request.spp = SPP_MOST };
     SceneFile f;
     bool ok;
 
-    l.limits = limits;
-    l.request.threads = processors();
-    l.request.spp = SPP_MOST;
-    if (!args_parse(&command_view, argc, argv, set, &l))
-        return failed_status();
-    if (!l.scene) {
-        err_usage("view takes a scene (.pbrt, .obj or .ply); see rushlight help view");
-        return failed_status();
-    }
-    l.request.max_pixels = l.limits.max_pixels;
-    if (!scenefile_read(&f, l.scene, &l.limits))
+    if (!scene_line_parse(&l.asked, &command_view, argc, argv, set, &l) ||
+        !scenefile_read(&f, l.asked.scene, &l.asked.limits))
         return failed_status();
     ok = view_scene(&l, &f);
     scenefile_clear(&f);

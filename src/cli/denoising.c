@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-const char *const part_names[PARTS] = { "picture", "emission", "direct", "indirect" };
-
 const char *denoising_layer(int layer)
 {
     static const char *const names[LAYERS] = {
@@ -27,7 +25,7 @@ bool denoising_set(Denoising *d, const char *value, Arena *arena)
 
     if (value[n] == '=') {
         for (part = PART_EMISSION; part < PARTS; part++)
-            if (strlen(part_names[part]) == n && !memcmp(part_names[part], value, n))
+            if (strlen(denoising_layer(part)) == n && !memcmp(denoising_layer(part), value, n))
                 break;
         if (part == PARTS)
             return err_usage("--denoise PART=NAME takes emission, direct or indirect");

@@ -7,7 +7,6 @@
 
 /* The picture, and the parts that add up to it. */
 enum { PART_PICTURE, PART_EMISSION, PART_DIRECT, PART_INDIRECT, PARTS };
-extern const char *const part_names[PARTS];
 
 /* What filters may want to know besides: pictures that can be had by these names. */
 enum { GUIDE_ALBEDO = PARTS, GUIDE_NORMAL, GUIDE_DEPTH, GUIDE_VARIANCE,

@@ -23,16 +23,22 @@ static void on_signal(int sig)
 
 void interrupts_farewell(const char *text) { farewell = text; }
 
-const volatile sig_atomic_t *interrupts_catch(void)
+static void handle(int sig, void (*handler)(int))
 {
     struct sigaction a;
 
-    interrupted = 0;
     memset(&a, 0, sizeof a);
-    a.sa_handler = on_signal;
-    sigaction(SIGINT, &a, NULL);
-    sigaction(SIGTERM, &a, NULL);
-    a.sa_handler = SIG_IGN;
-    sigaction(SIGPIPE, &a, NULL);
+    a.sa_handler = handler;
+    sigaction(sig, &a, NULL);
+}
+
+const volatile sig_atomic_t *interrupts_catch(void)
+{
+    interrupted = 0;
+    handle(SIGINT, on_signal);
+    handle(SIGTERM, on_signal);
+    handle(SIGPIPE, SIG_IGN);
     return &interrupted;
 }
+
+void limits_are_errors(void) { handle(SIGXFSZ, SIG_IGN); }

@@ -19,6 +19,14 @@ static const Aov *aov_of(const Outputs *o, const RenderSettings *s, int k)
     return k < o->n ? NULL : &s->aovs[k - o->n];
 }
 
+bool output_add(const char **outputs, int *n, const char *value)
+{
+    if (*n == OUTPUTS_MAX)
+        return err_usage("at most %d -o are possible", OUTPUTS_MAX);
+    outputs[(*n)++] = value;
+    return image_format_for_writing(value) != NULL;
+}
+
 bool outputs_possible(const Outputs *o, const RenderSettings *s)
 {
     for (int k = 0; k < outputs_n(o, s); k++)

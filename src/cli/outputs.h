@@ -13,6 +13,8 @@ typedef struct {
     Denoising denoising;        /* of the pictures, not of the extra ones */
 } Outputs;
 
+/* One more of at most OUTPUTS_MAX pictures to write; borrowed. False: usage error reported. */
+bool output_add(const char **outputs, int *n, const char *value);
 /* Adds the extra pictures, without files, that the filters are guided by. */
 void outputs_prepare(const Outputs *o, RenderSettings *s);
 /* Whether all could be written, asked before the hours of rendering. False: reported. */

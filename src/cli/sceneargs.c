@@ -2,7 +2,6 @@
 #include "cli/sceneargs.h"
 
 #include "base/work.h"
-#include "cli/args.h"
 
 static bool set_memory(const char *value)
 {
@@ -54,10 +53,26 @@ bool scene_arg_set(SceneArg k, const char *value, RenderRequest *q, ReadLimits *
     return ok;
 }
 
-bool output_add(const char **outputs, int *n, const char *value)
+/* ---- one scene ---- */
+
+bool scene_line_set(SceneLine *l, const Command *c, int k, const char *value)
 {
-    if (*n == OUTPUTS_MAX)
-        return err_usage("at most %d -o are possible", OUTPUTS_MAX);
-    outputs[(*n)++] = value;
-    return image_format_for_writing(value) != NULL;
+    if (k >= 0)
+        return scene_arg_set((SceneArg)k, value, &l->request, &l->limits);
+    if (l->scene)
+        return err_usage("%s takes one scene, got '%s' and '%s'", c->name, l->scene, value);
+    l->scene = value;
+    return true;
+}
+
+bool scene_line_parse(SceneLine *l, const Command *c, int argc, char **argv,
+                      bool (*set)(void *ctx, int k, const char *value), void *ctx)
+{
+    l->limits = (ReadLimits)READ_LIMITS_DEFAULT;
+    l->request.threads = processors();
+    if (!args_parse(c, argc, argv, set, ctx))
+        return false;
+    l->request.max_pixels = l->limits.max_pixels;
+    return l->scene || err_usage("%s takes a scene (.pbrt, .obj or .ply); see rushlight help %s",
+                                 c->name, c->name);
 }

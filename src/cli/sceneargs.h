@@ -1,8 +1,10 @@
 /* sceneargs.h -- options of every command that reads a scene and renders it: a command's table
- * holds its own ones, then SCENE_ARGS; the numbers of those go to scene_arg_set. */
+ * holds its own ones, then SCENE_ARGS; the numbers of those go to scene_arg_set. A command that
+ * takes one scene and no other word has a SceneLine. */
 #ifndef CLI_SCENEARGS_H
 #define CLI_SCENEARGS_H
 
+#include "cli/args.h"
 #include "render/render.h"
 
 /* In the order of SCENE_ARGS. From SCENE_QUIET on: how the program goes about it, not what it
@@ -30,7 +32,19 @@ typedef enum {
 
 /* value is borrowed. False: usage error reported. */
 bool scene_arg_set(SceneArg k, const char *value, RenderRequest *q, ReadLimits *limits);
-/* One more of at most OUTPUTS_MAX pictures to write; borrowed. False: reported. */
-bool output_add(const char **outputs, int *n, const char *value);
+
+/* What a command line asks for of one scene. All borrowed from it. */
+typedef struct {
+    const char *scene;
+    RenderRequest request;
+    ReadLimits limits;
+} SceneLine;
+
+/* Option k of SCENE_ARGS, or with k = -1 the scene itself. False: usage error reported. */
+bool scene_line_set(SceneLine *l, const Command *c, int k, const char *value);
+/* Reads the words by args_parse, from the usual limits and number of threads on. False: usage error
+ * reported, which it also is if they name no scene. */
+bool scene_line_parse(SceneLine *l, const Command *c, int argc, char **argv,
+                      bool (*set)(void *ctx, int k, const char *value), void *ctx);
 
 #endif

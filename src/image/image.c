@@ -92,17 +92,28 @@ static bool has_word(const char *list, const char *word)
     return false;
 }
 
+const char *image_extensions(char out[IMAGE_EXTENSIONS])
+{
+    return extensions_that(true, out, IMAGE_EXTENSIONS);
+}
+
+const ImageFormat *image_format_of(const char *path)
+{
+    for (const ImageFormat *const *f = image_formats; *f; f++)
+        if ((*f)->write && has_word((*f)->extensions, path_extension(path)))
+            return *f;
+    return NULL;
+}
+
 const ImageFormat *image_format_for_writing(const char *path)
 {
-    const char *ext = path_extension(path);
-    char names[200];
+    const ImageFormat *f = image_format_of(path);
+    char names[IMAGE_EXTENSIONS];
 
-    for (const ImageFormat *const *f = image_formats; *f; f++)
-        if ((*f)->write && has_word((*f)->extensions, ext))
-            return *f;
-    err_usage("%.300s: no image is written with the extension '%.40s', one of these was expected: "
-              "%s", path, ext, extensions_that(true, names, sizeof names));
-    return NULL;
+    if (!f)
+        err_usage("%.300s: no image is written with the extension '%.40s', one of these was "
+                  "expected: %s", path, path_extension(path), image_extensions(names));
+    return f;
 }
 
 /* Kinds of pictures that are known, but not read, and how they begin. */
@@ -126,7 +137,7 @@ static bool read_bytes(Image *im, const char *path, const unsigned char *bytes, 
 {
     Place at = { path, 0, 0 };
     const char *foreign = foreign_kind(bytes, n);
-    char names[200];
+    char names[IMAGE_EXTENSIONS];
 
     extensions_that(false, names, sizeof names);
     if (foreign)

@@ -64,7 +64,12 @@ typedef struct {
 } ImageFormat;
 extern const ImageFormat *const image_formats[];        /* ends with NULL */
 
-/* By the extension of path. NULL: reported as a usage error that lists what can be written. */
+/* One that can be written, by the extension of path. NULL: none is; nothing reported. */
+const ImageFormat *image_format_of(const char *path);
+/* Their usual extensions, with blanks between. */
+enum { IMAGE_EXTENSIONS = 200 };
+const char *image_extensions(char out[IMAGE_EXTENSIONS]);
+/* The same with a report: a usage error that lists them. */
 const ImageFormat *image_format_for_writing(const char *path);
 /* Format by the bytes, not by the name. */
 bool image_read(Image *im, const char *path, uint64_t max_pixels);     /* ENCODING_BY_FILE */

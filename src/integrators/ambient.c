@@ -276,6 +276,7 @@ static Rgb from_sky(const Scene *s, const Walls *w, bool all)
     return all ? rgb_add(sky, more) : more;
 }
 
+/* L_ambient of the power phi. [Shirley91 5.2.1; errata 001.5] */
 static float indirect(double phi, double R, double area)
 {
     R = d_min(R, R_MOST);

@@ -46,6 +46,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     Surface s;
     Frame frame;
     Hit h;
+    Rgb L;
 
     if (!tracer_nearest(t, r, &h))
         return rgb_all(0.0f);
@@ -57,7 +58,9 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     frame = frame_about(s.ns);
     for (int i = 0; i < it->samples; i += BATCH)
         open += open_ways(it, &s, &frame, i, it->samples - i < BATCH ? it->samples - i : BATCH, t);
-    return rgb_all((float)open / (float)it->samples);
+    L = rgb_all((float)open / (float)it->samples);
+    tracer_tally(t, 2, STRATEGY_EXPLICIT, L);   /* direct light of that sky */
+    return L;
 }
 
 static bool glows(const Integrator *it)

@@ -50,18 +50,27 @@ bool beam_turns_by_delta(Beam *b, const Vertex *v, Tracer *t)
     return !rgb_black(b->throughput);
 }
 
-/* By chance if it is weak: less than half of what glass reflects from the front. */
-static bool is_taken(Beam *b, Tracer *t)
+/* With probability q, so much the stronger then. False: it ends. */
+static bool goes_on(Beam *b, float q, Tracer *t)
 {
-    const float weak = 0.02f;
-    float q = beam_strength(b) / weak;
-
     if (!(q > 0.0f) || q >= 1.0f)
         return q > 0.0f;
     if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, b->depth)) >= q)
         return false;
     b->throughput = rgb_scale(b->throughput, 1.0f / q);
     return true;
+}
+
+/* By chance if it is weak: less than half of what glass reflects from the front. */
+static bool is_taken(Beam *b, Tracer *t)
+{
+    const float weak = 0.02f;
+    return goes_on(b, beam_strength(b) / weak, t);
+}
+
+bool beam_survives(Beam *b, int roulette, Tracer *t)
+{
+    return b->depth < roulette || goes_on(b, beam_strength(b), t);
 }
 
 bool beam_lasts(Beam *b, int roulette, Tracer *t)
@@ -84,23 +93,6 @@ bool beam_forks(Forks *f, const Beam *b, const Vertex *v, Tracer *t)
         beam_turn(&on, v, &s[k]);
         if (is_taken(&on, t))
             f->waiting[f->n++] = on;
-    }
-    return true;
-}
-
-bool beam_survives(Beam *b, int roulette, Tracer *t)
-{
-    float q;
-
-    if (b->depth < roulette)
-        return true;
-    q = beam_strength(b);
-    if (!(q > 0.0f))
-        return false;
-    if (q < 1.0f) {
-        if (sample_1d(&t->sampler, DECISION(DECIDE_ROULETTE, b->depth)) >= q)
-            return false;
-        b->throughput = rgb_scale(b->throughput, 1.0f / q);
     }
     return true;
 }

@@ -81,7 +81,6 @@ INLINE bool forks_next(Forks *f, Beam *b)
     return true;
 }
 
-/* How much of a unit of energy is left, whatever the index it is in. */
 /* How much of a unit of energy is left, whatever the index it is in, and whoever led it here. */
 INLINE float beam_strength(const Beam *b) { return rgb_max(b->throughput) * b->eta2; }
 

@@ -18,40 +18,16 @@
 #include "integrators/twostage.h"
 #include "lightsampling/visibility.h"
 
-#define STRATEGIES_OF_DIRECT(X)                                                \
-    X(uniform)                  /* directions all alike */                     \
-    X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
-    X(ris)                      /* many tentatively, few of them looked at */  \
-    X(twostage)                 /* the sky by its product with the surface */  \
-    X(triple)                   /* and with what is known of shadows */         \
-    X(cut) X(sir)               /* by point lights that stand for all light */
-#define DECLARE(name) extern const DirectStrategy direct_##name;
 #define ENTRY(name) &direct_##name,
-STRATEGIES_OF_DIRECT(DECLARE)
-const DirectStrategy *const direct_strategies[] = { STRATEGIES_OF_DIRECT(ENTRY) NULL };
+const DirectStrategy *const direct_strategies[] = { DIRECT_STRATEGIES(ENTRY) NULL };
 extern const DirectStrategy direct_sorted;      /* strategy=light with lights=ward or shirley */
 
-/* The tally wants what is added to the picture: scaled here, by the throughput. */
 Rgb direct_scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t)
 {
-    Tally *tally = t->tally, own;
-    Rgb L;
+    Turn seen = *u;
 
-    if (tally) {
-        own.by_technique = false;
-        tally_clear(&own);
-        t->tally = &own;
-    }
-    L = it->strategy->light(it, u, t);
-    if (tally) {
-        for (int k = 0; k < TALLY_LENGTHS; k++)
-            tally->length[k] = rgb_add(tally->length[k], rgb_mul(b->throughput, own.length[k]));
-        for (int k = 0; k < STRATEGIES; k++)
-            tally->strategy[k] = rgb_add(tally->strategy[k],
-                                         rgb_mul(b->throughput, own.strategy[k]));
-        t->tally = tally;
-    }
-    return rgb_mul(b->throughput, L);
+    seen.to_eye = b->throughput;
+    return rgb_mul(b->throughput, it->strategy->light(it, &seen, t));
 }
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
@@ -191,7 +167,7 @@ static Integrator *open_direct(const Scene *s, const Opts *o)
 
 static const OptDef options[] = {
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
-      .choices = "uniform brdf light mis ris twostage triple cut sir",
+      .choices = DIRECT_CHOICES,
       .help = "directions all alike, by the surface, by lights, by both; resampled; twostage: of "
               "the sky, and of rectangles with pictures, by their product with the surface, of "
               "other lights as mis; triple: the same with maps of what hides the sky; cut: "

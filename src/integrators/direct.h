@@ -1,5 +1,4 @@
-/* direct.h -- the integrator `direct` and its strategies. direct.c has the list of them; one file
- * a strategy. */
+/* direct.h -- the integrator `direct` and its strategies: their list, and one file for each. */
 #ifndef INTEGRATORS_DIRECT_H
 #define INTEGRATORS_DIRECT_H
 
@@ -9,7 +8,7 @@
 typedef struct Direct Direct;
 
 typedef struct {
-    const char *name, *source, *help;
+    const char *name;
     bool finds_deltas;          /* point and distant lights */
     /* Looks at the options; the Direct is there but for `own`. False: reported. NULL: nothing. */
     bool (*open)(Direct *it, const Opts *o);
@@ -26,7 +25,20 @@ typedef struct {
     bool (*load)(Direct *it, Loading *l);
 } DirectStrategy;
 
+#define DIRECT_STRATEGIES(X)                                                   \
+    X(uniform)                  /* directions all alike */                     \
+    X(brdf) X(light) X(mis)     /* by the surface, by the lights, by both */   \
+    X(ris)                      /* many tentatively, few of them looked at */  \
+    X(twostage)                 /* the sky by its product with the surface */  \
+    X(triple)                   /* and with what is known of shadows */        \
+    X(cut) X(sir)               /* by point lights that stand for all light */
+#define DIRECT_DECLARE(name) extern const DirectStrategy direct_##name;
+DIRECT_STRATEGIES(DIRECT_DECLARE)
 extern const DirectStrategy *const direct_strategies[];         /* ends with NULL */
+
+/* Their names, with blanks between: the choices of an option `strategy`. */
+#define DIRECT_WORD(name) " " #name
+#define DIRECT_CHOICES (&(DIRECT_STRATEGIES(DIRECT_WORD))[1])
 
 enum { SIR_MOST = 4096 };        /* tentative samples of sir */
 

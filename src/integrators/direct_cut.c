@@ -77,8 +77,7 @@ static bool warn_of_points(bool jitter, Indirect indirect)
            warn_at(nowhere, "indirect light is biased: it comes from points, alike on all sides");
 }
 
-static bool open_points(Direct *it, const Opts *o, size_t most,
-                        WithinCluster within)
+static bool open_points(Direct *it, const Opts *o, size_t most, WithinCluster within)
 {
     static const char *const brdf[] = { "counts", "single", "none", "all" };
     static const char *const indirect[] = { "no", "yes", "only" };
@@ -377,10 +376,10 @@ static Rgb light_by_sir(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_cut = {
-    .name = "cut", .source = "Wang09", .help = "point lights, by clusters and the surface",
+    .name = "cut",
     .finds_deltas = true, .open = open_cut, .close = close_cut, .light = light_by_cut
 };
 const DirectStrategy direct_sir = {
-    .name = "sir", .source = "Wang09 5", .help = "point lights by their light, few of them kept",
+    .name = "sir",
     .finds_deltas = true, .open = open_sir, .close = close_cut, .light = light_by_sir
 };

@@ -80,13 +80,11 @@ static Rgb by_lights(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_brdf = {
-    .name = "brdf", .source = "Cline07 4.4.1", .help = "directions by the surface", .light = brdf
+    .name = "brdf", .light = brdf           /* [Cline07 4.4.1] */
 };
 const DirectStrategy direct_light = {
-    .name = "light", .source = "Cline07 4.4.2", .help = "points of lights", .finds_deltas = true,
-    .light = by_lights
+    .name = "light", .finds_deltas = true, .light = by_lights       /* [Cline07 4.4.2] */
 };
 const DirectStrategy direct_mis = {
-    .name = "mis", .source = "Cline07 4.4.3; Veach97", .help = "both, weighed",
-    .finds_deltas = true, .open = open_mis, .light = mis
+    .name = "mis", .finds_deltas = true, .open = open_mis, .light = mis
 };

@@ -18,6 +18,5 @@ static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_ris = {
-    .name = "ris", .source = "Cline07 4.4.4", .help = "many tentative samples, few are kept",
-    .finds_deltas = true, .open = open_ris, .light = light
+    .name = "ris", .finds_deltas = true, .open = open_ris, .light = light
 };

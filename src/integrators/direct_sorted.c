@@ -46,6 +46,15 @@ static Rgb one_for_all(Candidate *c, const Rank *rank, int n, double rest, const
     return candidate_light(c, u, t);
 }
 
+/* The part of an untested light that is thought to get through. */
+static Rgb guessed(const Candidate *c, float part, const Turn *u, Tracer *t)
+{
+    Rgb guess = rgb_scale(c->c, part);
+
+    tracer_tally(t, u->at + 2, c->how, rgb_mul(u->to_eye, guess));
+    return guess;
+}
+
 static Rgb of_candidates(const Direct *it, Candidate *c, int n, const Turn *u, Tracer *t)
 {
     double all = 0.0, rest, tested = 0.0, through = 0.0;
@@ -71,7 +80,7 @@ static Rgb of_candidates(const Direct *it, Candidate *c, int n, const Turn *u, T
     if (it->which == LIGHTS_SHIRLEY)
         return rgb_add(sum, one_for_all(c, rank + i, n - i, rest, u, t));
     for (; i < n; i++)
-        sum = rgb_add(sum, rgb_scale(c[rank[i].index].c, (float)(through / tested)));
+        sum = rgb_add(sum, guessed(&c[rank[i].index], (float)(through / tested), u, t));
     return sum;
 }
 
@@ -99,6 +108,5 @@ static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_sorted = {
-    .name = "sorted", .source = "Ward91; Shirley96", .help = "the brightest lights first",
-    .finds_deltas = true, .light = light
+    .name = "sorted", .finds_deltas = true, .light = light
 };

@@ -28,6 +28,7 @@
 #include "base/mem.h"
 #include "integrators/event.h"
 #include "lightsampling/visibility.h"
+#include "sampling/pattern.h"
 
 enum { GROUP = 32 };
 
@@ -294,7 +295,6 @@ static bool open_triple(Direct *it, const Opts *o)
 }
 
 const DirectStrategy direct_triple = {
-    .name = "triple", .source = "Cline07 6", .help = "twostage, and maps of what hides the sky",
-    .finds_deltas = true, .open = open_triple, .close = close_triple, .prepare = prepare,
-    .run = make_map, .light = light, .save = save, .load = load
+    .name = "triple", .finds_deltas = true, .open = open_triple, .close = close_triple,
+    .prepare = prepare, .run = make_map, .light = light, .save = save, .load = load
 };

@@ -31,8 +31,6 @@ bool skyrest_init(SkyAndRest *own, const Direct *it, const Opts *o)
 
 void skyrest_clear(SkyAndRest *own) { twostage_clear(&own->two); }
 
-extern const DirectStrategy direct_mis;
-
 Rgb skyrest_others(const SkyAndRest *own, const Turn *u, Tracer *t)
 {
     Rgb sum = twostage_asked_light(&own->two, u, own->samples, t);
@@ -95,7 +93,6 @@ static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_twostage = {
-    .name = "twostage", .source = "Cline07 5",
-    .help = "the sky by rectangles of it, on which the surface is looked at",
-    .finds_deltas = true, .open = open_twostage, .close = close_twostage, .light = light
+    .name = "twostage", .finds_deltas = true, .open = open_twostage, .close = close_twostage,
+    .light = light
 };

@@ -26,5 +26,5 @@ static Rgb light(const Direct *it, const Turn *u, Tracer *t)
 }
 
 const DirectStrategy direct_uniform = {
-    .name = "uniform", .source = "Cline07 4.3", .help = "directions all alike", .light = light
+    .name = "uniform", .light = light
 };

@@ -16,7 +16,7 @@
 #include "base/mem.h"
 #include "integrators/ambient.h"
 #include "integrators/beam.h"
-#include "lightsampling/lightsampler.h"
+#include "integrators/lighting.h"
 
 #include <string.h>
 
@@ -42,12 +42,6 @@ typedef struct {
     bool  ends;                 /* the beam only looks for lights */
 } Branch;
 
-static float heuristic(float a, float b)        /* a > 0; b / a may be infinite and the weight 0 */
-{
-    float r = b / a;
-    return 1.0f / (1.0f + r * r);
-}
-
 /* ---- lights that a beam meets ---- */
 
 static float pmf(const Distributed *it, const Branch *e, const Light *l)
@@ -63,8 +57,9 @@ static Rgb met(const Distributed *it, const Branch *e, const Light *l, const Sur
     if (rgb_black(c))
         return c;
     if (e->pdf_w > 0.0f)
-        c = rgb_scale(c, heuristic(e->pdf_w, (float)e->asked * pmf(it, e, l) *
-                                             l->kind->pdf_w(l, e->p, e->beam.ray.d, hit)));
+        c = rgb_scale(c, mis_weight(true, e->pdf_w,
+                                   (float)e->asked * pmf(it, e, l) *
+                                       l->kind->pdf_w(l, e->p, e->beam.ray.d, hit)));
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
     return c;
 }
@@ -99,7 +94,7 @@ static Rgb ask(const Branch *e, const Vertex *v, const Light *l, float p, int n,
     if (rgb_black(c))
         return c;
     if (!l->kind->delta)
-        c = rgb_scale(c, heuristic(pdf, (float)dirs * vertex_pdf_w(v, local)));
+        c = rgb_scale(c, mis_weight(true, pdf, (float)dirs * vertex_pdf_w(v, local)));
     r = shadow_ray(&v->s, &ls);
     if (!tracer_passes(t, &r, medium_beyond(&v->s, ls.wi, e->beam.medium), &c))
         return rgb_all(0.0f);
@@ -268,8 +263,7 @@ static const OptDef options[] = {
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,
       .choices = "auto power uniform contribution all", .also = "lightsamplestrategy",
       .help = "how a light is chosen; all: each gets the samples" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    ROULETTE_OPTION(4),
     AMBIENT_OPTIONS("none"),
     { .key = NULL }
 };

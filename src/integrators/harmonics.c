@@ -36,7 +36,7 @@ void harmonics_at(const Harmonics *h, V3 w, float *out)
             }
             if (++l == h->bands)
                 break;
-            next = h->up[m][l] * w.z * p - h->back[m][l] * before;
+            next = h->up[m][l] * w.z * p - h->back[m][l] * before;      /* [Abramowitz64 8.5.3] */
             before = p;
             p = next;
         }

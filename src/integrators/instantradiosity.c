@@ -165,6 +165,7 @@ static Rgb lit_by_others(const Radiosity *it, const Beam *b, const Vertex *v, Tr
 
     if (!it->nothers)
         return sum;
+    u.to_eye = b->throughput;
     first = draw_first(t, &u, DECIDE_LIGHT, DECIDE_LIGHT_POINT);
     for (size_t i = 0; i < it->nothers; i++) {
         Draw d = draw_number(&first, (uint32_t)i);
@@ -368,10 +369,8 @@ static const OptDef options[] = {
               "usual: one light then stands for it; 0: each light is asked" },
     { .key = "cutsize", .type = OPT_INT, .num = 1000, .lo = 16, .hi = CLUSTERS_MOST,
       .help = "cut: most clusters of a point" },
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    MAXDEPTH_OPTION,
+    ROULETTE_OPTION(4),
     { .key = NULL }
 };
 

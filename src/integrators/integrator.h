@@ -328,6 +328,14 @@ struct Integrator {             /* first member of every concrete one */
                                  * not be done, and reported it: the render fails */
 };
 
+/* Options that most methods have; `first`: scattering event. */
+#define MAXDEPTH_OPTION                                                        \
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,     \
+      .help = "most scattering events of a path; 0 shows lights only" }
+#define ROULETTE_OPTION(first)                                                 \
+    { .key = "roulette", .type = OPT_INT, .num = first, .lo = 1, .hi = 100000, .also = "rrdepth", \
+      .help = "first scattering event after which a path may end by chance" }
+
 extern const IntegratorKind *const integrators[];       /* ends with NULL */
 #define INTEGRATOR_DEFAULT "path"
 

@@ -149,10 +149,8 @@ static Integrator *open_light(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    MAXDEPTH_OPTION,
+    ROULETTE_OPTION(4),
     { .key = NULL }
 };
 

@@ -70,12 +70,12 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy)
 
 Turn turn_on(const Vertex *v, V3 d, uint32_t medium, int at)
 {
-    return (Turn){ v, v->s.p, vertex_up(v), d, 0.0f, v->s.time, medium, at };
+    return (Turn){ v, v->s.p, vertex_up(v), d, 0.0f, v->s.time, medium, at, { 1, 1, 1 } };
 }
 
 Turn turn_within(const Scene *s, V3 p, V3 d, float time, uint32_t medium, int at)
 {
-    return (Turn){ NULL, p, v_all(0.0f), d, s->media[medium].g, time, medium, at };
+    return (Turn){ NULL, p, v_all(0.0f), d, s->media[medium].g, time, medium, at, { 1, 1, 1 } };
 }
 
 bool turn_f_cos(const Turn *u, V3 wi, Rgb *f_cos, float *pdf_w)
@@ -155,13 +155,6 @@ Draw draw_number(const Draw *first, uint32_t i)
 
 /* ---- weights ---- */
 
-/* Of a sample with density n p = own against other ways with n p = other. [Veach97 9.2.4] */
-static float weight_of(const Lighting *it, float own, float other)
-{
-    float r = other / own;      /* own > 0; r may be infinite and the weight 0 */
-    return 1.0f / (1.0f + (it->power ? r * r : r));
-}
-
 /* Density with which a sample by light takes the direction to this point of l. */
 static float pdf_by_light(const Lighting *it, const Turn *u, const Light *l, V3 wi,
                           const Surface *hit)
@@ -194,7 +187,7 @@ static Rgb weighed(const Lighting *it, const Turn *u, const Light *l, V3 wi, con
 
     if (n_light == 0.0f || it->directions || rgb_black(L))
         return L;
-    return rgb_scale(L, weight_of(it, own, n_light * pdf_by_light(it, u, l, wi, hit)));
+    return rgb_scale(L, mis_weight(it->power, own, n_light * pdf_by_light(it, u, l, wi, hit)));
 }
 
 /* By the surface met, or by lights beyond the scene if there is none. */
@@ -217,7 +210,7 @@ static float direction_weight(const Lighting *it, const Turn *u, V3 wi, float ow
 {
     if (!it->directions || n_light == 0.0f)
         return 1.0f;
-    return weight_of(it, own, n_light * all_pdf_w(it, u, wi));
+    return mis_weight(it->power, own, n_light * all_pdf_w(it, u, wi));
 }
 
 /* beyond: lights of shapes bring nothing. */
@@ -310,7 +303,7 @@ static bool along_light(const Lighting *it, const Turn *u, V3 wi, float n_light,
     if (!(own > 0.0f) || !turn_f_cos(u, wi, &f_cos, n_scatter > 0.0f ? &pdf_w : NULL) ||
         !along(it, u, wi, f_cos, own, 0.0f, t, c))
         return false;
-    c->c = rgb_scale(c->c, weight_of(it, own, n_scatter * pdf_w));
+    c->c = rgb_scale(c->c, mis_weight(it->power, own, n_scatter * pdf_w));
     c->how = STRATEGY_EXPLICIT;
     return true;
 }
@@ -333,7 +326,7 @@ bool candidate_of_light(const Lighting *it, const Turn *u, const Light *l, float
     if (!(own > 0.0f))
         return false;
     if (n_scatter > 0.0f && !l->kind->delta)
-        weight = weight_of(it, own, n_scatter * pdf_w);
+        weight = mis_weight(it->power, own, n_scatter * pdf_w);
     c->c = rgb_scale(rgb_mul(f_cos, ls.L), weight / own);
     c->ray = ray_to_light(u, &ls);
     c->medium = turn_medium(u, ls.wi);
@@ -386,6 +379,6 @@ Rgb candidate_light(Candidate *c, const Turn *u, Tracer *t)
 {
     if (!c->known && !tracer_passes(t, &c->ray, c->medium, &c->c))
         return rgb_all(0.0f);
-    tracer_tally(t, u->at + 2, c->how, c->c);
+    tracer_tally(t, u->at + 2, c->how, rgb_mul(u->to_eye, c->c));
     return c->c;
 }

@@ -52,6 +52,14 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
       .choices = "auto power uniform contribution", .also = "lightsamplestrategy",  \
       .help = "how a light is chosen; auto: by contribution if they are 64 or fewer, else power" }
 
+/* Weight of a sample with density n p = own > 0 against other ways with n p = other, which may be
+ * infinite: the weight is 0 then. */
+INLINE float mis_weight(bool power, float own, float other)
+{
+    float r = other / own;
+    return 1.0f / (1.0f + (power ? r * r : r));                 /* [Veach97 9.2.2, 9.2.4] */
+}
+
 /* ---- where light scatters ---- */
 
 typedef struct {
@@ -62,8 +70,10 @@ typedef struct {
     float time;
     uint32_t medium;            /* that the ray came through */
     int   at;                   /* number of its decisions */
+    Rgb   to_eye;               /* what of its light gets there: tallies take that of candidates */
 } Turn;
 
+/* All of it gets to the eye, unless the caller says otherwise. */
 Turn turn_on(const Vertex *v, V3 d, uint32_t medium, int at);
 Turn turn_within(const Scene *s, V3 p, V3 d, float time, uint32_t medium, int at);
 
@@ -113,7 +123,7 @@ bool candidate_beyond(const Lighting *it, const Turn *u, V3 wi, Rgb f_cos, float
 /* The light of a sample, whose L is over its density already, taken own times. */
 bool candidate_seen(const Turn *u, const LightSample *ls, float own, Candidate *c);
 
-/* Casts the ray, unless that is done, and tallies. */
+/* What it adds: casts the ray, unless that is done. Tallies so much of it as gets to the eye. */
 Rgb candidate_light(Candidate *c, const Turn *u, Tracer *t);
 
 /* ---- resampling [Cline07 4.4.4], errata 4.1 ---- */

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/mem.h"
+#include "sampling/warp.h"
 
 #include <string.h>
 
@@ -36,25 +37,23 @@ void lightstore_clear(LightStore *s)
 
 /* ---- one vertex ---- */
 
-/* Unit vectors on the octahedron |x| + |y| + |z| = 1, of which the lower half is folded outwards:
- * two numbers tell them to the last bits. */
+/* Two numbers tell a unit vector to the last bits, see octahedron_fold. */
 static void way_fold(V3 d, float way[2])
 {
-    float s = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z)), x = d.x * s, y = d.y * s;
+    float s = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
 
-    way[0] = d.z >= 0.0f ? x : copysignf(1.0f - fabsf(y), x);
-    way[1] = d.z >= 0.0f ? y : copysignf(1.0f - fabsf(x), y);
+    way[0] = d.x * s;
+    way[1] = d.y * s;
+    if (d.z < 0.0f)
+        octahedron_fold(&way[0], &way[1]);
 }
 
 V3 kept_way(const KeptVertex *k)
 {
     float x = k->way[0], y = k->way[1], z = 1.0f - fabsf(x) - fabsf(y);
 
-    if (z < 0.0f) {
-        float folded = copysignf(1.0f - fabsf(y), x);
-        y = copysignf(1.0f - fabsf(x), y);
-        x = folded;
-    }
+    if (z < 0.0f)
+        octahedron_fold(&x, &y);
     return v_unit(v3(x, y, z));
 }
 

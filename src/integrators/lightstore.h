@@ -15,7 +15,7 @@
 
 typedef struct {
     float    p[3];
-    float    way[2];            /* of the light that came, see direction_fold */
+    float    way[2];            /* that the light came, see kept_way */
     float    u, v;              /* of the hit */
     uint32_t outer, prim;
     float    flux[3];

@@ -26,7 +26,7 @@ const Light *particle_leaves(Particle *p, const LightSampler *by, float time, Tr
                              sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, 0)), e))
         return NULL;
     p->ray = emission_ray(e, time);
-    p->flux = rgb_scale(e->L, e->cosine / (pmf * e->pdf_a * e->pdf_w));
+    p->flux = rgb_scale(e->L, e->cosine / (pmf * e->pdf_a * e->pdf_w));         /* [Cline07 7.2] */
     p->first = rgb_max(p->flux);
     p->depth = 0;
     p->deltas = true;
@@ -66,7 +66,7 @@ bool particle_scatters(Particle *p, const Vertex *v, Tracer *t)
     return particle_samples(p, v, t, &s, &local) && particle_turns(p, v, &s, local);
 }
 
-bool particle_scatters_within(Particle *p, V3 at, Tracer *t)
+void particle_scatters_within(Particle *p, V3 at, Tracer *t)
 {
     p->ray.d = phase_sample(t->scene->media[p->medium].g, p->ray.d,
                             sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, p->depth + 1)));
@@ -74,7 +74,6 @@ bool particle_scatters_within(Particle *p, V3 at, Tracer *t)
     p->ray.tmax = INFINITY;
     p->deltas = false;
     p->depth++;
-    return true;
 }
 
 bool particle_survives(Particle *p, int roulette, Tracer *t)

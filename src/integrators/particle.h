@@ -35,12 +35,13 @@ INLINE Event particle_flies(Particle *p, Surface *s, V3 *at, Tracer *t)
     return ray_flies(t, &p->ray, &p->medium, p->depth + 1, &p->flux, s, at);
 }
 
-/* Goes on from the vertex by chance, or from a place in a medium. False: absorbed. */
+/* Goes on from the vertex by chance. False: absorbed. */
 bool particle_scatters(Particle *p, const Vertex *v, Tracer *t);
 /* In two steps: an event, s->wi of the world and *local, and the turn to it. */
 bool particle_samples(const Particle *p, const Vertex *v, Tracer *t, BsdfSample *s, V3 *local);
 bool particle_turns(Particle *p, const Vertex *v, const BsdfSample *s, V3 local);
-bool particle_scatters_within(Particle *p, V3 at, Tracer *t);
+/* From a place in a medium. */
+void particle_scatters_within(Particle *p, V3 at, Tracer *t);
 
 /* Russian roulette: after so many events a particle goes on with the probability of what it has
  * left of what it began with. False: it ends. */

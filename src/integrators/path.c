@@ -48,13 +48,6 @@ typedef struct {
     float glint;                /* of the light by delta events after a smooth one: this share */
 } Eye;
 
-/* Weight of a way with density a against one with density b. [Veach97 9.2.2, 9.2.4] */
-static float heuristic(const Path *it, float a, float b)
-{
-    float r = b / a;            /* a > 0; b / a may be infinite and the weight 0 */
-    return 1.0f / (1.0f + (it->power ? r * r : r));
-}
-
 /* Weight of an implicit path that ends on light l, met along the last direction. */
 static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit,
                              const Tracer *t)
@@ -71,7 +64,7 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
                             : guide_light_pmf(t->guide, it->lights, e->p, e->n, l) *
                               guide_point_pdf(t->guide, l, it->lighting.beside, e->beam.ray.d);
     pdf *= light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
-    return heuristic(it, e->pdf_w, pdf);
+    return mis_weight(it->power, e->pdf_w, pdf);
 }
 
 static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Surface *hit,
@@ -159,7 +152,7 @@ static bool connect(const Path *it, const Eye *e, const Vertex *v, Tracer *t, Co
     if (rgb_black(f_cos))
         return false;
     if (it->ways == MIS && !l->kind->delta)
-        weight = heuristic(it, pdf, scatter_pdf_w(v, ls.wi, local, t));
+        weight = mis_weight(it->power, pdf, scatter_pdf_w(v, ls.wi, local, t));
     to->c = rgb_scale(rgb_mul(rgb_mul(e->beam.throughput, f_cos), ls.L), weight / pdf);
     to->ray = shadow_ray(&v->s, &ls);
     to->edges = e->beam.depth + 2;
@@ -179,7 +172,7 @@ static bool connect_in_medium(const Path *it, const Eye *e, V3 p, Tracer *t, Con
         return false;
     phase = phase_pdf_w(it->base.scene->media[e->beam.medium].g, e->beam.ray.d, ls.wi);
     if (it->ways == MIS && !l->kind->delta)
-        weight = heuristic(it, pdf, phase);
+        weight = mis_weight(it->power, pdf, phase);
     to->c = rgb_scale(rgb_mul(e->beam.throughput, ls.L), phase * weight / pdf);
     to->ray = shadow_ray(&s, &ls);
     to->edges = e->beam.depth + 2;
@@ -453,8 +446,7 @@ static Integrator *open_path(const Scene *s, const Opts *o)
 }
 
 static const OptDef options[] = {
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
+    MAXDEPTH_OPTION,
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
       .choices = "implicit explicit mis ris twostage",
       .help = "how paths are completed: by meeting lights, by asking for them, by both; by one of "
@@ -462,8 +454,7 @@ static const OptDef options[] = {
               "product with the surface, other lights as mis" },
     LIGHTING_HEURISTIC,
     LIGHTING_SKY,
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    ROULETTE_OPTION(4),
     LIGHTING_LIGHTSAMPLER,
     { .key = "glints", .type = OPT_INT, .num = 1, .lo = 1, .hi = GLINTS_MOST,
       .help = "directions tried at a vertex for the light that comes by delta events alone; about "

@@ -17,6 +17,9 @@
  * Bias        Blur; of photons with the radius, see photonstore.h. Depths: a photon that was
  *             scattered n times is seen by at least one event more, by two in the gather, so with
  *             those, maxdepth is what it is to `path`; mirrors before the eye come on top.
+ * Tally       Photons do not say how often they were scattered: what is looked up counts as the
+ *             shortest path that it may be of. So direct and indirect light are told apart, lengths
+ *             above that are not.
  * Misses      What media scatter. */
 #include "base/mem.h"
 #include "integrators/direct.h"
@@ -34,12 +37,20 @@ typedef struct {
 
 static Rgb gathered(const PhotonMap *it, const Beam *b, const Vertex *v, int n, Tracer *t);
 
+/* Radiance by photons at the beam's end, as the eye gets it, by paths of at least so many edges. */
+static Rgb looked_up(const Beam *b, Rgb L, int edges, Tracer *t)
+{
+    L = rgb_mul(b->throughput, L);
+    tracer_tally(t, edges, STRATEGY_MERGE, L);
+    return L;
+}
+
 /* What comes straight from lamps, and by deltas alone. */
 static Rgb lit(const PhotonMap *it, const Beam *b, const Vertex *v, Tracer *t)
 {
     Turn u = turn_on(v, b->ray.d, b->medium, b->depth);
-    return rgb_add(direct_scattered(it->direct, b, &u, t),
-                   rgb_mul(b->throughput, photonmaps_caustics(&it->maps, v)));
+    Rgb direct = direct_scattered(it->direct, b, &u, t);
+    return rgb_add(direct, looked_up(b, photonmaps_caustics(&it->maps, v), b->depth + 3, t));
 }
 
 /* Along a gathering ray from the place: lamps that it finds by deltas are the caustic map's, if
@@ -62,7 +73,7 @@ static Rgb gathered_along(const PhotonMap *it, Beam *g, V3 from, Tracer *t)
             float r2 = 0.0f;
             Rgb L = photonmaps_gathered(&it->maps, &v, &r2);
             if (deltas || v_len2(v_sub(v.s.p, from)) >= r2)
-                sum = rgb_add(sum, rgb_mul(g->throughput, L));
+                sum = rgb_add(sum, looked_up(g, L, g->depth + 2, t));
             else
                 sum = rgb_add(sum, rgb_add(lit(it, g, &v, t), gathered(it, g, &v, 1, t)));
         }
@@ -103,7 +114,7 @@ static Rgb indirect(const PhotonMap *it, const Beam *b, const Vertex *v, Tracer 
 {
     if (it->gather)
         return b->depth + 1 < it->maxdepth ? gathered(it, b, v, it->gather, t) : rgb_all(0.0f);
-    return rgb_mul(b->throughput, photonmaps_radiance(&it->maps, v));
+    return looked_up(b, photonmaps_radiance(&it->maps, v), b->depth + 3, t);
 }
 
 /* What the beam finds until it ends or forks. */
@@ -220,7 +231,7 @@ static const OptDef options[] = {
     { .key = "gather", .type = OPT_INT, .num = 8, .lo = 1, .hi = 65536,
       .help = "view=gather: rays from each point" },
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis",
-      .choices = "uniform brdf light mis ris twostage triple cut sir",
+      .choices = DIRECT_CHOICES,
       .help = "how direct light is found: see direct" },
     { .key = "lightsamples", .type = OPT_INT, .num = 1, .lo = 1, .hi = 65536,
       .help = "samples of lights at each point" },
@@ -229,8 +240,7 @@ static const OptDef options[] = {
     LIGHTING_HEURISTIC,
     LIGHTING_SKY,
     LIGHTING_LIGHTSAMPLER,
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
+    MAXDEPTH_OPTION,
     { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth",
       .help = "first scattering event after which a photon may end by chance" },
     { .key = NULL }

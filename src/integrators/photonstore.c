@@ -4,6 +4,7 @@
 #include "base/bits.h"
 #include "base/mem.h"
 #include "base/random.h"
+#include "sampling/warp.h"
 
 enum { UNIT = 4096,             /* paths */
        TRIED = 4,               /* units that are tried */
@@ -11,18 +12,16 @@ enum { UNIT = 4096,             /* paths */
        UNLIKELY_MOST = 64,     /* units, where none was kept of those that were tried */
        WI_BITS = 10, NORMAL_BITS = 6 };
 
-/* ---- directions: the sphere as an octahedron, folded out to a square ---- */
+/* ---- directions: cells of a square, see octahedron_fold ---- */
 
 static uint32_t fold_out(V3 d, int bits)
 {
     float cells = (float)(1u << bits), sum = fabsf(d.x) + fabsf(d.y) + fabsf(d.z);
-    float x = d.x / sum, y = d.y / sum, a = x;
+    float x = d.x / sum, y = d.y / sum;
     int i, j, last = (1 << bits) - 1;
 
-    if (d.z < 0.0f) {
-        x = copysignf(1.0f - fabsf(y), x);
-        y = copysignf(1.0f - fabsf(a), y);
-    }
+    if (d.z < 0.0f)
+        octahedron_fold(&x, &y);
     i = (int)((x * 0.5f + 0.5f) * cells);
     j = (int)((y * 0.5f + 0.5f) * cells);
     return (uint32_t)(i < last ? i : last) << bits | (uint32_t)(j < last ? j : last);
@@ -34,12 +33,10 @@ static V3 folded_in(uint32_t cell, int bits)
     float cells = (float)(1u << bits);
     float x = (2.0f * (float)(cell >> bits & ((1u << bits) - 1)) + 1.0f) / cells - 1.0f;
     float y = (2.0f * (float)(cell & ((1u << bits) - 1)) + 1.0f) / cells - 1.0f;
-    float z = 1.0f - fabsf(x) - fabsf(y), a = x, l;
+    float z = 1.0f - fabsf(x) - fabsf(y), l;
 
-    if (z < 0.0f) {
-        x = copysignf(1.0f - fabsf(y), x);
-        y = copysignf(1.0f - fabsf(a), y);
-    }
+    if (z < 0.0f)
+        octahedron_fold(&x, &y);
     l = 1.0f / sqrtf(x * x + y * y + z * z);
     return v3(x * l, y * l, z * l);
 }
@@ -438,11 +435,6 @@ void photonrecords_run(PhotonRecords *r, const PhotonStore *s, const PhotonLook 
         *p = photon_of(at, E, n, n);
         p->ways = (bits_of_float(sqrtf(r2)) & RADIUS_BITS) | normal;
     }
-}
-
-size_t photonrecords_bytes(const PhotonRecords *r)
-{
-    return r->n * sizeof *r->records + pointtree_bytes(&r->tree);
 }
 
 typedef struct { const Photon *records, *best; V3 n; } Wanted;

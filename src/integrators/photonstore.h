@@ -105,7 +105,6 @@ void photonrecords_clear(PhotonRecords *r);
 uint64_t photonrecords_units(PhotonRecords *r, const PhotonStore *s, int stage);
 void     photonrecords_run(PhotonRecords *r, const PhotonStore *s, const PhotonLook *look,
                            int stage, uint64_t unit);
-size_t   photonrecords_bytes(const PhotonRecords *r);
 /* The irradiance of the nearest one within the cap that looks about the way of n. *r2: the squared
  * radius of its estimate. False: there is none. */
 bool photonrecords_irradiance(const PhotonRecords *r, const PhotonLook *look, V3 p, V3 n, Rgb *E,

@@ -181,6 +181,17 @@ void product_draw(const Product *p, V2 u, PartitionSample *s)
     s->pdf_w = product_pdf(p, s->place);
 }
 
+bool skymap_candidate(const SkyMap *m, const PartitionSample *s, const Turn *u, float n,
+                      Candidate *c)
+{
+    LightSample ls = { .wi = s->wi, .dist = INFINITY };
+
+    if (!(s->pdf_w > 0.0f))
+        return false;
+    ls.L = skymap_radiance(m, s->place, s->wi);
+    return candidate_seen(u, &ls, n * s->pdf_w, c);
+}
+
 bool product_candidate(const Product *p, const PartitionSample *s, const Turn *u, float n,
                        Candidate *c)
 {
@@ -188,14 +199,8 @@ bool product_candidate(const Product *p, const PartitionSample *s, const Turn *u
     const Light *l = p->of->light;
     LightSample ls;
 
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    if (m->flat)
-        return l->kind->places->seen(l, s->place, u->p, &ls) &&
-               candidate_seen(u, &ls, n * s->pdf_w * ls.pdf_w, c);
-    memset(&ls, 0, sizeof ls);
-    ls.wi = s->wi;
-    ls.dist = INFINITY;
-    ls.L = skymap_radiance(m, s->place, s->wi);
-    return candidate_seen(u, &ls, n * s->pdf_w, c);
+    if (!m->flat)
+        return skymap_candidate(m, s, u, n, c);
+    return s->pdf_w > 0.0f && l->kind->places->seen(l, s->place, u->p, &ls) &&
+           candidate_seen(u, &ls, n * s->pdf_w * ls.pdf_w, c);
 }

@@ -42,7 +42,11 @@ bool  product_make(Product *p, const LightMap *of, const Turn *u, const V3 *peak
 void  product_draw(const Product *p, V2 u, PartitionSample *s);
 /* The density of a place of the map, as product_draw has it. */
 float product_pdf(const Product *p, V2 place);
-/* One of n samples: what the light would add. False: nothing. */
+/* One of n samples of the sky by a partition of its map: what the light would add. False:
+ * nothing. */
+bool  skymap_candidate(const SkyMap *m, const PartitionSample *s, const Turn *u, float n,
+                       Candidate *c);
+/* The same of a product. */
 bool  product_candidate(const Product *p, const PartitionSample *s, const Turn *u, float n,
                         Candidate *c);
 

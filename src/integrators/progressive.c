@@ -6,7 +6,7 @@
 
 /* ---- photons ---- */
 
-/* f F of the photons within the radius, and how many they are. */
+/* What photons within the radius bring, and how many they are. [GIRT (2.79)] */
 static Rgb gather(const Progressive *it, const Beam *b, const Vertex *v, float radius,
                   float *found, Tracer *t)
 {
@@ -34,7 +34,7 @@ static Rgb gather(const Progressive *it, const Beam *b, const Vertex *v, float r
     return rgb_scale(rgb_mul(b->throughput, sum), 1.0f / area);
 }
 
-/* (2.74), (2.75); errata 3: without photons nothing changes. */
+/* [GIRT (2.74), (2.75); errata 3]: without photons nothing changes. */
 static void refine(Refined *m, float alpha, float found)
 {
     float kept = m->photons + alpha * found;

@@ -54,7 +54,7 @@ void progressive_clear(Progressive *it);
 /* `each` statistics for each pixel of the window. False: reported. */
 bool progressive_prepare(Progressive *it, const Film *f, size_t each);
 
-/* The phases of an integrator: prepare.units and .run. */
+/* The phases of an integrator, as .units and .run. */
 enum { PROGRESSIVE_PHASES = PHOTONPASS_PHASES };
 uint64_t progressive_units(Integrator *it, const Film *f, uint32_t pass, int phase);
 void progressive_run(Integrator *it, Film *f, uint32_t pass, int phase, uint64_t unit, Tracer *t);
@@ -87,10 +87,8 @@ Rgb progressive_look(const Progressive *it, const Ray *r, Refined *m, const Samp
               "not at all" },                                                  \
     { .key = "photons", .type = OPT_INT, .num = 0, .lo = 0, .hi = 4e9,         \
       .help = "particles of a pass; 0: as many as the picture has pixels" },   \
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,     \
-      .help = "most scattering events of a path; 0 shows lights only" },       \
-    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth", \
-      .help = "first scattering event after which a path may end by chance" }, \
+    MAXDEPTH_OPTION,                                                           \
+    ROULETTE_OPTION(1),                                                        \
     { .key = "glossy", .type = OPT_CHOICE, .str = "gather", .choices = "gather follow", \
       .help = "glossy surfaces without a matt part: photons are gathered there, or the eye's " \
               "paths go on" },                                                 \

@@ -30,7 +30,7 @@ float reach_error(const Reach *r, V3 p, V3 n)
 
     if (0.5f * v_dot(d, v_add(n, r->n)) < -BEHIND * r->radius)
         return INFINITY;
-    return v_len(d) / r->radius + sqrtf(f_max(0.0f, 1.0f - v_dot(n, r->n)));
+    return v_len(d) / r->radius + sqrtf(f_max(0.0f, 1.0f - v_dot(n, r->n)));    /* [Ward88] */
 }
 
 double reach_weight(const Reach *r, V3 p, V3 n, float a)

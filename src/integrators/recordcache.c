@@ -83,7 +83,11 @@ static bool by_photons(const RecordCache *it, const Beam *b, const Vertex *v, bo
 static Rgb lit(const RecordCache *it, const Beam *b, const Vertex *v, Tracer *t)
 {
     Turn u = turn_on(v, b->ray.d, b->medium, b->depth);
-    return rgb_add(direct(it, &u, t), photonmaps_caustics(&it->maps, v));
+    Rgb caustics = photonmaps_caustics(&it->maps, v);
+
+    u.to_eye = b->throughput;
+    tracer_tally(t, b->depth + 3, STRATEGY_MERGE, rgb_mul(b->throughput, caustics));
+    return rgb_add(direct(it, &u, t), caustics);
 }
 
 /* What leaves the vertex along the beam, but for its own light. Lamps that deltas lead to are
@@ -101,9 +105,11 @@ static Rgb leaves(const RecordCache *it, Beam *b, Vertex *v, Forks *forks, Trace
         vertex_make(v, scene, b->ray.d);
         if (vertex_is_smooth(v)) {
             told = by_photons(it, b, v, delta, &L);
-            sum = rgb_add(sum, rgb_mul(b->throughput, told ? L : lit(it, b, v, t)));
-        }
-        else if (forks && beam_forks(forks, b, v, t))
+            L = rgb_mul(b->throughput, told ? L : lit(it, b, v, t));
+            if (told)
+                tracer_tally(t, b->depth + 2, STRATEGY_MERGE, L);
+            sum = rgb_add(sum, L);
+        } else if (forks && beam_forks(forks, b, v, t))
             break;
         if (!vertex_sample(v, t, b->depth, &s) || (told && s.pdf_w > 0.0f))
             break;

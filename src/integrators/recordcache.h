@@ -100,8 +100,7 @@ IrradianceRecord recordcache_make(const RecordCache *it, const Vertex *v, const 
       .help = "most reach of a record, pixels" },                              \
     { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,     \
       .help = "most scattering events of a path; 0 shows lights only, 1 uses no records" }, \
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth", \
-      .help = "first scattering event after which a path may end by chance" }, \
+    ROULETTE_OPTION(4),                                                        \
     PHOTONMAPS_OPTIONS(0, 0, "rays of records are paths"),                     \
     LIGHTING_HEURISTIC,                                                        \
     LIGHTING_SKY,                                                              \

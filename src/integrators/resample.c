@@ -88,7 +88,7 @@ Rgb resample(const Lighting *it, const Resampling *r, const Turn *u, Tracer *t)
             one = candidate_light(&kept, u, t);
             last = j;
         } else
-            tracer_tally(t, u->at + 2, c[j].how, one);
+            tracer_tally(t, u->at + 2, c[j].how, rgb_mul(u->to_eye, one));
         light = rgb_add(light, one);
     }
     return light;

@@ -160,17 +160,5 @@ bool twostage_partition(const TwoStage *it, const Turn *u, int samples, Tracer *
 bool twostage_candidate(const TwoStage *it, const PartitionSample *s, const Turn *u, float n,
                         Candidate *c)
 {
-    Rgb L, f_cos;
-
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    L = skymap_radiance(&it->map, s->place, s->wi);
-    if (rgb_black(L) || !turn_f_cos(u, s->wi, &f_cos, NULL))
-        return false;
-    c->c = rgb_scale(rgb_mul(f_cos, L), 1.0f / (n * s->pdf_w));
-    c->ray = turn_ray(u, s->wi);
-    c->medium = turn_medium(u, s->wi);
-    c->known = false;
-    c->how = STRATEGY_EXPLICIT;
-    return true;
+    return skymap_candidate(&it->map, s, u, n, c);
 }

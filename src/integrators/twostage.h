@@ -52,9 +52,6 @@ int   twostage_peaks(const TwoStage *it, const Turn *u, int samples, Tracer *t,
 /* Of a partition for so many samples. */
 int   twostage_splits(const TwoStage *it, int samples);
 
-/* Point i of Hammersley's n, moved round the unit square. */
-V2    hammersley_moved(uint32_t i, uint32_t n, V2 by);
-
 /* ---- lights with products of their own: twostage_asked.c ---- */
 
 /* Finds them; the light is known. False: memory, reported. */

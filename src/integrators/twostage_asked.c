@@ -54,22 +54,11 @@ bool twostage_asks(const TwoStage *it, const Light *l)
 
 /* ---- points ---- */
 
-static float moved(float x, float by)
-{
-    x += by;
-    return f_min(x < 1.0f ? x : x - 1.0f, ONE_MINUS_ULP);
-}
-
-V2 hammersley_moved(uint32_t i, uint32_t n, V2 by)
-{
-    return (V2){ moved((float)i / (float)n, by.x), moved(unit_of(reverse_bits(i)), by.y) };
-}
-
 /* For light number k: by the roots of x^3 = x + 1, so that several keep apart. [Roberts18] */
 static V2 shift_of(V2 u, int k)
 {
     for (; k > 0; k--)
-        u = (V2){ moved(u.x, 0.7548777f), moved(u.y, 0.5698403f) };
+        u = (V2){ moved_round(u.x, 0.7548777f), moved_round(u.y, 0.5698403f) };
     return u;
 }
 

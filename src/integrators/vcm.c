@@ -28,7 +28,7 @@ uint32_t vcm_moment(const Integrator *base, uint32_t pass)
 /* Sets the radius, and with it how likely mergers are. */
 static void begin_pass(Vcm *it, uint32_t pass)
 {
-    float r = it->radius * m_pow((float)pass + 1.0f, 0.5f * (it->alpha - 1.0f));
+    float r = it->radius * m_pow((float)pass + 1.0f, 0.5f * (it->alpha - 1.0f)); /* [GIRT (3.8)] */
 
     it->store.radius = r;
     for (int k = 0; k < it->radii; k++, r *= 0.5f) {

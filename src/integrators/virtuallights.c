@@ -246,21 +246,6 @@ bool virtuallights_run(VirtualLights *it, int phase, uint64_t unit, Tracer *t)
     }
 }
 
-size_t virtuallights_upto(const VirtualLights *it, uint32_t set, int depth)
-{
-    const VirtualLight *l = it->light + it->set[set].first;
-    size_t lo = 0, hi = it->set[set].n;
-
-    while (lo < hi) {
-        size_t middle = lo + (hi - lo) / 2;
-        if ((int64_t)l[middle].depth <= depth)
-            lo = middle + 1;
-        else
-            hi = middle;
-    }
-    return lo;
-}
-
 /* ---- making and clearing ---- */
 
 bool virtuallights_init(VirtualLights *it, const Scene *s, uint32_t paths, uint32_t sets,

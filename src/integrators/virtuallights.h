@@ -87,7 +87,4 @@ INLINE float bound_leaves(float bound, V3 nx, V3 ny, V3 wi, float d2)
     return g > bound ? bound / g : 1.0f;
 }
 
-/* How many of a set's lights have at most so many scattering events: they come first. */
-size_t virtuallights_upto(const VirtualLights *v, uint32_t set, int depth);
-
 #endif

@@ -34,8 +34,6 @@ bool adaptive_init(Adaptive *a, const AdaptiveKind *kind, const Opts *o, Film *f
         ;
     if (!kind->plan)
         return true;
-    if (kind == &adaptive_own && !(error > 0))
-        return err_usage("--adaptive own stops pixels at an error; expected --error X");
     a->seen = MEM_ARRAY(Seen, a->n);
     a->room = MEM_ARRAY(float, (size_t)a->n * 2);
     a->way = MEM_ARRAY(double, film->tiles_y);

@@ -1,10 +1,10 @@
 /* aov.c -- extra pictures: what the eye ray meets first, the light apart by path length and by
  * strategy, and how sure it is. See render.h.
  *
- * How         Each is a layer of the film, a sum over the samples of a pixel. Most are the mean of
- *             it. Of some the mean of two sums' ratio is what is wanted: the third component is the
- *             divisor then. So are ids: they are taken once a pixel, from the ray through its
- *             middle, with 1 for a divisor, so that films which are added up still say the same.
+ * How         Each is a layer of the film, a sum over the samples of a pixel; most are its mean. Of
+ *             some the ratio of two sums is what is wanted: the third component is the divisor
+ *             then. Ids are such: they are taken once a pixel, from the ray through its middle,
+ *             with 1 for a divisor, so that films which are added up still say the same.
  * Variance    Of the mean c of n independent samples: (E[c^2] - E[c]^2) / (n - 1) [Welford62]. Of
  *             stratified ones that is too much. Where light comes in splats it is the square of how
  *             far two halves of the passes lie apart, of luminance: true in the mean, and noisy. */

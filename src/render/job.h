@@ -75,8 +75,6 @@ void job_clear(Job *j);         /* the film stays */
 
 /* ---- state.c ---- */
 
-/* Says what is rendered, in lines of a word and a value. False: reported. */
-bool job_identify(Job *j);
 /* Reads the state that was asked for, sees that it is of this render, and takes the film over and
  * where the render was. False: reported. */
 bool job_find_state(Job *j);

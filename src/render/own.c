@@ -8,6 +8,12 @@
  *             others 0.5, and X = 0.5, the mean comes out 48 % low. The less X, the less. */
 #include "render/adaptive.h"
 
+static bool start(Adaptive *a)
+{
+    return a->error > 0 ||
+           err_usage("--adaptive own stops pixels at an error; expected --error X");
+}
+
 static bool plan(Adaptive *a)
 {
     double mean, limit;
@@ -34,5 +40,5 @@ static const OptDef options[] = { ADAPTIVE_LEAST, { .key = NULL } };
 const AdaptiveKind adaptive_own = {
     .info = { "own", "Kirk91", "a pixel stops by its own samples; needs --error; "
               "1 to 2 % dark under a probe, by half where light is rare bright samples", options },
-    .truth = BIASED, .plan = plan
+    .truth = BIASED, .start = start, .plan = plan
 };

@@ -113,12 +113,6 @@ typedef struct {
     bool     interrupted;
 } Race;
 
-/* The checkpoints whose error can be used in a fit, in x (log spp), y (log error) and tie; returns
- * how many. Errors at n and m > n samples of one render share the first n. For independent samples
- * the errors' correlation is sqrt(n/m), that of their squares, and of the logs of sigma, n/m: a
- * chain, as line_fit wants it. */
-int race_fit_points(const RaceResult *r, double *x, double *y, double *tie);
-
 /* Of a method whose checkpoints are set, wherever they stand in point[]: known ones first, the fit.
  * Of a race whose methods are finished: goal, mean, and who reaches the goal when. */
 void race_finish(RaceResult *r);

@@ -189,24 +189,13 @@ static bool read_autosave(RaceReader *r)
 
 /* ---- outputs ---- */
 
-/* By its extension; the message of image_format_for_writing has no place. */
+/* By its extension. */
 static bool is_picture(Place at, const char *path)
 {
-    const char *ext = path_extension(path);
-    char have[200] = "";
-
-    for (int i = 0; image_formats[i]; i++) {
-        const ImageFormat *f = image_formats[i];
-        size_t n = strcspn(f->extensions, " ");
-        if (!f->write)
-            continue;
-        for (const char *e = f->extensions; *e; e += strcspn(e, " "), e += strspn(e, " "))
-            if (strlen(ext) == strcspn(e, " ") && !strncmp(ext, e, strlen(ext)))
-                return true;
-        strncat(strcat(have, " ."), f->extensions, n < 16 ? n : 16);
-    }
-    return err_at(at, "'%.200s' is of no format that can be written, expected one of%s", path,
-                  have);
+    char have[IMAGE_EXTENSIONS];
+    return image_format_of(path) ||
+           err_at(at, "'%.200s' is of no format that can be written, one of these was expected: %s",
+                  path, image_extensions(have));
 }
 
 static bool read_output(RaceReader *r)
@@ -402,13 +391,13 @@ static bool read_reference(RaceReader *r)
 
 static const Entry directives[] = {
     { "Accelerator", read_accelerator, false }, { "Autosave", read_autosave, false },
-    { "Crop", read_crop, false },                { "Csv", read_csv, false },
-    { "Filter", read_filter, false },            { "Integrator", read_integrator, true },
-    { "Method", read_method, true },             { "Output", read_output, true },
-    { "Plot", read_plot, false },                { "Reference", read_reference, false },
+    { "Crop", read_crop, false },               { "Csv", read_csv, false },
+    { "Filter", read_filter, false },           { "Integrator", read_integrator, true },
+    { "Method", read_method, true },            { "Output", read_output, true },
+    { "Plot", read_plot, false },               { "Reference", read_reference, false },
     { "Sampler", read_sampler, true },          { "Scene", read_scene, false },
-    { "Seed", read_seed, false },                { "Size", read_size, false },
-    { "Spp", read_spp, false },                  { "Threads", read_threads, false },
+    { "Seed", read_seed, false },               { "Size", read_size, false },
+    { "Spp", read_spp, false },                 { "Threads", read_threads, false },
     { "Time", read_time, false },
 };
 enum { NDIRECTIVES = sizeof directives / sizeof *directives };

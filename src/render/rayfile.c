@@ -2,6 +2,7 @@
  * byte order will do and no alignment is asked for. */
 #include "render/cast.h"
 
+#include "base/bits.h"
 #include "base/file.h"
 
 #include <string.h>
@@ -39,22 +40,6 @@ static uint64_t word64(const RayFile *f, size_t at)
 {
     uint64_t first = word32(f, at), second = word32(f, at + 4);
     return f->big ? first << 32 | second : second << 32 | first;
-}
-
-static float real32(const RayFile *f, size_t at)
-{
-    uint32_t bits = word32(f, at);
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
-static double real64(const RayFile *f, size_t at)
-{
-    uint64_t bits = word64(f, at);
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
 }
 
 /* The name goes to a terminal. */
@@ -95,7 +80,7 @@ static bool read_head(RayFile *f, RaySet *s)
     s->any = word32(f, QUERY_AT) == 1;
     s->n = (size_t)count;
     s->file_hits = word64(f, HITS_AT);
-    s->file_sum_t = real64(f, SUM_AT);
+    s->file_sum_t = double_of(word64(f, SUM_AT));
     return true;
 }
 
@@ -105,7 +90,7 @@ static const char *read_ray(const RayFile *f, size_t at, Ray *r, float *tmin)
     float v[NUMBERS];
 
     for (int k = 0; k < NUMBERS; k++) {
-        v[k] = real32(f, at + 4 * (size_t)k);
+        v[k] = float_of(word32(f, at + 4 * (size_t)k));
         if (!is_finite(v[k]) && (k < NUMBERS - 1 || !(v[k] > 0)))
             return "a number is not finite (tmax may be infinite)";
     }

@@ -109,7 +109,8 @@ static bool say_aim(Identity *t, const Job *j)
     return say(t, "samples as many as wanted\n");
 }
 
-bool job_identify(Job *j)
+/* In lines of a word and a value. False: no memory, reported. */
+static bool identify(Job *j)
 {
     const RenderSettings *s = j->asked;
     Identity *t = &j->identity;
@@ -278,7 +279,7 @@ bool job_find_state(Job *j)
 
     if (!s->keeper && !s->resume)
         return true;
-    if (!job_identify(j))
+    if (!identify(j))
         return false;
     if (!s->resume)
         return true;

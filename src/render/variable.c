@@ -14,10 +14,9 @@
  *             twice that, and every other row would stand out: on scenes/swarm-probe.pbrt, counts
  *             less their mean over 9 x 9 pixels had the correlation -0.74 with the row above. So M
  *             follows the mean of s_p here and in the row above, which ran the other way: +0.27,
- *             and half of the deviation. The pixels for s_ave
- *             are sampled for that purpose only: then it is independent of the picture. Without a
- *             count N is doubled, and the rule used again on what has been taken so far, until the
- *             picture's error is low enough.
+ *             and half of the deviation. The pixels for s_ave are sampled for that purpose only:
+ *             then it is independent of the picture. Without a count N is doubled, and the rule
+ *             used again on what has been taken so far, until the picture's error is low enough.
  * Truth       Unbiased: a count looks at pixels before it on the way, and these at pixels before
  *             them; none looks at itself. (Where N is doubled: but for its end, as with `none`.)
  *             With `rerender`, pixels whose deviation is above s_p + s_ave are thrown away and done

@@ -66,6 +66,20 @@ INLINE uint32_t reverse_bits(uint32_t x)
     return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
 }
 
+/* Moved round the unit interval: Cranley and Patterson's rotation. */
+INLINE float moved_round(float x, float by)
+{
+    x += by;
+    return f_min(x < 1.0f ? x : x - 1.0f, ONE_MINUS_ULP);
+}
+
+/* Point i of Hammersley's n, moved round the unit square. */
+INLINE V2 hammersley_moved(uint32_t i, uint32_t n, V2 by)
+{
+    return (V2){ moved_round((float)i / (float)n, by.x),
+                 moved_round(unit_of(reverse_bits(i)), by.y) };
+}
+
 /* A hash in which each bit depends on the bits below it only. On an index in reverse that is a
  * nested swap of halves, which permutes within every aligned block of 2^k.
  * [Burley20 listing 1] */

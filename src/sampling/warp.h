@@ -17,6 +17,17 @@
 #include "base/platform.h"
 #include "base/vec.h"
 
+/* Directions as places of a square: the octahedron |x| + |y| + |z| = 1 seen from above, with its
+ * lower half folded outwards over the edges of the upper. Of a point of that half: x and y on the
+ * octahedron to those in the square, and back. */
+INLINE void octahedron_fold(float *x, float *y)
+{
+    float a = *x, b = *y;
+
+    *x = copysignf(1.0f - fabsf(b), a);
+    *y = copysignf(1.0f - fabsf(a), b);
+}
+
 /* The unit disc; *r is the distance from the centre, without the error of squaring. */
 INLINE V2 warp_disk_radius(V2 u, float *r)
 {

@@ -39,13 +39,24 @@ static const struct {
 } formats[] = { { "pbrt", read_pbrt }, { "obj", read_obj }, { "ply", read_ply } };
 enum { NFORMATS = sizeof formats / sizeof *formats };
 
-static bool read_any(Reader *r, const char *path)
+/* Which of them a file is by its name; NFORMATS: none. */
+static int format_of(const char *path)
 {
     const char *ext = path_extension(path);
-    for (int i = 0; i < NFORMATS; i++)
-        if (word_is_nocase((Word){ ext, strlen(ext) }, formats[i].extension))
-            return formats[i].read(r, path);
-    return err_at((Place){ path, 0, 0 }, "a scene was expected: .pbrt, .obj or .ply");
+    int i = 0;
+    while (i < NFORMATS && !word_is_nocase((Word){ ext, strlen(ext) }, formats[i].extension))
+        i++;
+    return i;
+}
+
+bool scenefile_is_scene(const char *path) { return format_of(path) < NFORMATS; }
+
+static bool read_any(Reader *r, const char *path)
+{
+    int i = format_of(path);
+    return i < NFORMATS ? formats[i].read(r, path)
+                        : err_at((Place){ path, 0, 0 },
+                                 "a scene was expected: .pbrt, .obj or .ply");
 }
 
 /* ---- a shape by its name ---- */

@@ -27,6 +27,7 @@ typedef struct {
 /* Reads by extension: .pbrt, .obj, .ply. False: reported, *f empty. A name that is not known gets
  * a warning with its place that says what is used instead. */
 bool scenefile_read(SceneFile *f, const char *path, const ReadLimits *limits);
+bool scenefile_is_scene(const char *path);      /* whether the extension is one of these */
 /* The same from a text of the scene language; path is its name, for messages and for the files that
  * it names. */
 bool scenefile_parse(SceneFile *f, const char *path, const char *text, size_t n,

@@ -10,9 +10,6 @@
 
 /* ---- tables ---- */
 
-static const char *const type_names[] = { "bool", "integer", "float", "rgb", "point3", "floats",
-                                          "string", "choice" };
-
 static void number(Json *j, const char *key, double v)
 {
     json_key(j, key);
@@ -50,7 +47,7 @@ static void describe_option(Json *j, const OptDef *d, const OptValue *v)
 
     json_open(j, '{');
     string(j, "key", d->key);
-    string(j, "type", type_names[d->type]);
+    string(j, "type", opt_type_names[d->type]);
     value_text(d, v, text, sizeof text);
     string(j, "value", text);
     if (d->type == OPT_CHOICE)

@@ -17,7 +17,6 @@ typedef struct {
 /* A thread that renders one of the two pictures. */
 typedef struct {
     Session  *session;
-    int       number;
     pthread_t thread;
     bool      started, on;      /* on: its picture is wanted */
     bool      busy;             /* it renders */

@@ -6,8 +6,7 @@
  *             moved on meanwhile: somebody who drags it would else see nothing till the end.
  * Sharing     Renders share what is in the scene, which does not change; each has a copy of the
  *             camera.
- * Asking      Renders look up every few milliseconds (RenderWatch) whether they are
- *             still wanted. */
+ * Asking      Every few milliseconds a render looks up whether it is still wanted (RenderWatch). */
 #include "view/inside.h"
 
 #include "base/clock.h"

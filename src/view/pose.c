@@ -126,8 +126,7 @@ static double sense(const double about[3], const double from[3], const double to
     return dot(v, to) >= dot(from, to) ? 1 : -1;
 }
 
-/* Turns the view to the right and up by so much. */
-static void turn_view(Pose *p, double right, double up)
+void pose_turn(Pose *p, double right, double up)
 {
     double r[3], u[3], f[3], old = p->pitch, before, after;
 
@@ -146,8 +145,6 @@ static void turn_view(Pose *p, double right, double up)
         p->pitch = old;
 }
 
-void pose_turn(Pose *p, double right, double up) { turn_view(p, right, up); }
-
 /* What is between eye and pivot stays as it is in the camera's space. */
 void pose_orbit(Pose *p, double right, double up)
 {
@@ -156,7 +153,7 @@ void pose_orbit(Pose *p, double right, double up)
     for (int i = 0; i < 3; i++)
         to[i] = p->pivot[i] - p->eye[i];
     turn_back(p, to);
-    turn_view(p, right, up);
+    pose_turn(p, right, up);
     turn_both(p, to);
     for (int i = 0; i < 3; i++)
         p->eye[i] = p->pivot[i] - to[i];

@@ -250,9 +250,18 @@ static void listen_on(Server *s, const volatile sig_atomic_t *stop)
     }
 }
 
+/* Whoever does not get it cannot come: there is nobody to serve then. */
+static bool say_address(const Door *door)
+{
+    if (printf("http://127.0.0.1:%d/%s/\n", door->port, door->token) > 0 && !fflush(stdout))
+        return true;
+    return err_output("standard output", "cannot be written: %s", strerror(errno));
+}
+
 bool serve(Session *session, int port, const volatile sig_atomic_t *stop)
 {
     Server s;
+    bool ok;
 
     memset(&s, 0, sizeof s);
     s.door.session = session;
@@ -260,9 +269,9 @@ bool serve(Session *session, int port, const volatile sig_atomic_t *stop)
         return false;
     pthread_mutex_init(&s.lock, NULL);
     pthread_cond_init(&s.gone, NULL);
-    printf("http://127.0.0.1:%d/%s/\n", s.door.port, s.door.token);
-    fflush(stdout);
-    listen_on(&s, stop);
+    ok = say_address(&s.door);
+    if (ok)
+        listen_on(&s, stop);
     close(s.fd);
     session_quit(session);
     pthread_mutex_lock(&s.lock);
@@ -271,5 +280,5 @@ bool serve(Session *session, int port, const volatile sig_atomic_t *stop)
     pthread_mutex_unlock(&s.lock);
     pthread_cond_destroy(&s.gone);
     pthread_mutex_destroy(&s.lock);
-    return true;
+    return ok;
 }

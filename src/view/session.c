@@ -86,7 +86,6 @@ static bool start_panes(Session *s)
     for (int k = 0; k < PANES; k++) {
         Pane *p = &s->pane[k];
         p->session = s;
-        p->number = k;
         p->on = k == 0;
         choose(&p->integrator, s->base.integrator, &s->base.integrator_opts);
         p->started = work_thread(&p->thread, pane_run, p);

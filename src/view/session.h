@@ -36,7 +36,7 @@ uint64_t session_wait(Session *s, uint64_t since, double seconds);
 /* A copy of what a pane shows. False: there is nothing yet, or no memory, reported. */
 typedef struct { Image image; uint32_t scale; uint64_t shown; } Snapshot;
 bool session_snapshot(Session *s, int pane, Snapshot *copy);
-/* Colours of both panes at a place of the picture in pixels; false where there is none. */
+/* What a pane shows at a place of the picture, in pixels; false where there is nothing. */
 bool session_pixel(Session *s, int pane, double x, double y, Rgb *c);
 
 /* All of its state, as an object. */
