@@ -39,6 +39,7 @@ void bench_jitter(void);        /* section 5.4.1 of [Shirley91]: uncorrelated ji
 void bench_patterns(void);      /* section 4.5: point sets, discrepancy, Mitchell's slopes */
 void bench_moves_speed(void);   /* mutations a CPU-second */
 void bench_moves_error(void);   /* chains of paths against the peers */
+void bench_moves_narrow(void);  /* against path, where light comes by narrow ways */
 void bench_moves_figures(void); /* figures 7.29, 8.10, 8.11, 8.13 to 8.15 of the document */
 void bench_moves_strata(void);  /* figure 8.12: how even few samples are */
 void bench_moves_curves(void);  /* figure 8.15: error over time, as text and SVG */

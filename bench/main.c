@@ -26,6 +26,7 @@ static const struct { const char *name; void (*run)(void); } benches[] = {
     { "bidirectional", bench_bidirectional }, { "bidirectional rooms", bench_bidirectional_rooms },
     { "bidirectional pass", bench_bidirectional_pass },
     { "moves speed", bench_moves_speed }, { "moves error", bench_moves_error },
+    { "moves narrow", bench_moves_narrow },
     { "moves figures", bench_moves_figures }, { "moves strata", bench_moves_strata },
     { "moves curves", bench_moves_curves }, { "view", bench_view },
 };

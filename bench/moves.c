@@ -148,6 +148,22 @@ void bench_moves_error(void)
     contest(&s2, deltas);
 }
 
+/* Light that hardly any path finds: equal time, against path. */
+void bench_moves_narrow(void)
+{
+    static const Contest door = { "scenes/ajar-door.pbrt", 96, 64, { 0 }, "bdpt:maxdepth=9", 12,
+                                  4 },
+                         weight = { "scenes/paperweight.pbrt", 96, 64, { 0 }, "pssmlt:maxdepth=9",
+                                    12, 4 };
+    static const Row rows[] = {
+        { "path:maxdepth=9", "" }, { "pssmlt:maxdepth=9", "asked: a third of path's" },
+        { "mlt", "" }, { "erpt", "asked: a third of path's" }, { NULL, NULL }
+    };
+
+    contest(&door, rows);
+    contest(&weight, rows);
+}
+
 /* ---- convergence: figure 8.15 ---- */
 
 enum { TIMES = 4, METHODS = 5 };
