@@ -1,6 +1,7 @@
 /* generate.c -- meshes made by rule. See generate.h. */
 #include "geometry/generate.h"
 
+#include "base/d3.h"
 #include "base/random.h"
 
 #include <string.h>
@@ -182,8 +183,6 @@ bool mesh_torus(Mesh *m, uint32_t nu, uint32_t nv, float major, float minor)
 /* ---- icosphere: the vertices of a cut face are numbered corners first, then the inner points of
  * the 30 edges, then those of the 20 faces, so that faces share what they have in common ---- */
 
-typedef struct { double x, y, z; } D3;
-
 typedef struct {
     uint32_t n;                 /* parts of an edge */
     D3  corner[12];             /* (0, +-1, +-g) and its cyclic turns, g the golden ratio */
@@ -196,12 +195,6 @@ static void swap_int(int *a, int *b)
     int t = *a;
     *a = *b;
     *b = t;
-}
-
-static double volume6(D3 a, D3 b, D3 c)
-{
-    return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
-           a.z * (b.x * c.y - b.y * c.x);
 }
 
 static void ico_init(Ico *s, uint32_t n)
@@ -218,11 +211,9 @@ static void ico_init(Ico *s, uint32_t n)
     }
     for (int a = 0; a < 12; a++)
         for (int b = 0; b <= a; b++) {
-            D3 p = s->corner[a], q = s->corner[b];
-            double d2 = (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) +
-                        (p.z - q.z) * (p.z - q.z);
+            D3 d = d3_mad(s->corner[b], -1.0, s->corner[a]);
             /* Edges are 2 long, the next distance is 2 g. */
-            s->edge[a][b] = s->edge[b][a] = a != b && d2 < 6.0 ? edges++ : -1;
+            s->edge[a][b] = s->edge[b][a] = a != b && d3_dot(d, d) < 6.0 ? edges++ : -1;
         }
     for (int a = 0; a < 12; a++)
         for (int b = 0; b < a; b++)
@@ -234,7 +225,7 @@ static void ico_init(Ico *s, uint32_t n)
                 f[0] = a;
                 f[1] = b;
                 f[2] = c;
-                if (volume6(s->corner[a], s->corner[b], s->corner[c]) < 0.0)
+                if (d3_dot(s->corner[a], d3_cross(s->corner[b], s->corner[c])) < 0.0)
                     swap_int(&f[1], &f[2]);
             }
     ASSERT(edges == 30 && faces == 20);
@@ -270,11 +261,8 @@ static uint32_t ico_vertex(const Ico *s, int f, uint32_t i, uint32_t j)
 static V3 ico_point(const Ico *s, int f, uint32_t i, uint32_t j)
 {
     D3 a = s->corner[s->face[f][0]], b = s->corner[s->face[f][1]], c = s->corner[s->face[f][2]];
-    double k = (double)(s->n - i - j), l;
-    D3 p = { a.x * k + b.x * i + c.x * j, a.y * k + b.y * i + c.y * j,
-             a.z * k + b.z * i + c.z * j };
-    l = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    return v3((float)(p.x / l), (float)(p.y / l), (float)(p.z / l));
+    D3 p = d3_mad(c, j, d3_mad(b, i, d3_scale(a, (double)(s->n - i - j))));
+    return d3_rounded(d3_unit(p));
 }
 
 bool mesh_icosphere(Mesh *m, uint32_t n)
