@@ -13,18 +13,14 @@ static bool in_range(const char *mesh, const char *what, uint32_t v, uint32_t lo
                      (unsigned long)lo, (unsigned long)hi);
 }
 
-static bool begin(Mesh *m, uint64_t nverts, uint64_t ntris)
+static bool begin(Mesh *m, uint64_t nverts, uint64_t ntris, bool uv)
 {
     *m = (Mesh){ 0 };
     if (nverts > MESH_MAX || ntris > MESH_MAX)
         return err_usage("%.0f vertices and %.0f triangles are too many for one mesh",
                          (double)nverts, (double)ntris);
-    m->p = MEM_ARRAY(V3, (size_t)nverts);
-    m->tri = MEM_ARRAY(Tri, (size_t)ntris);
-    if (!m->p || !m->tri) {
-        mesh_clear(m);
+    if (!mesh_alloc(m, (size_t)nverts, (size_t)ntris, false, uv))
         return false;
-    }
     m->nverts = (uint32_t)nverts;
     return true;
 }
@@ -47,7 +43,7 @@ bool mesh_cube(Mesh *m)
 {
     static const unsigned char side[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 },
                                               { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
-    if (!begin(m, 8, 12))
+    if (!begin(m, 8, 12, false))
         return false;
     for (unsigned k = 0; k < 8; k++)
         m->p[k] = v3(k & 1 ? 0.5f : -0.5f, k & 2 ? 0.5f : -0.5f, k & 4 ? 0.5f : -0.5f);
@@ -61,13 +57,8 @@ bool mesh_box(Mesh *m, V3 a, V3 b)
 {
     static const unsigned char side[6][4] = { { 0, 2, 1, 3 }, { 4, 5, 6, 7 }, { 0, 1, 4, 5 },
                                               { 3, 2, 7, 6 }, { 2, 0, 6, 4 }, { 1, 3, 5, 7 } };
-    if (!begin(m, 24, 12))
+    if (!begin(m, 24, 12, true))
         return false;
-    m->uv = MEM_ARRAY(V2, 24);
-    if (!m->uv) {
-        mesh_clear(m);
-        return false;
-    }
     for (uint32_t k = 0; k < 24; k++) {
         unsigned c = side[k / 4][k % 4];
         m->p[k] = v3(c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z);
@@ -83,7 +74,7 @@ bool mesh_room(Mesh *m)
     enum { N = 6, INNER = 3 };                  /* the corner that sees all others */
     static const V2 rim[N] = { { 0, 0 }, { 2, 0 }, { 2, 1 }, { 1, 1 }, { 1, 2 }, { 0, 2 } };
 
-    if (!begin(m, 2 * N, 20))
+    if (!begin(m, 2 * N, 20, false))
         return false;
     for (uint32_t k = 0; k < N; k++) {
         m->p[k] = v3(rim[k].x, rim[k].y, 0.0f);
@@ -104,13 +95,9 @@ bool mesh_grid(Mesh *m, uint32_t nx, uint32_t ny)
 
     if (!in_range("grid", "columns", nx, 1, MESH_MAX - 1) ||
         !in_range("grid", "rows", ny, 1, MESH_MAX - 1) ||
-        !begin(m, (nx + (uint64_t)1) * (ny + (uint64_t)1), 2 * (uint64_t)nx * ny))
+        !begin(m, (nx + (uint64_t)1) * (ny + (uint64_t)1), 2 * (uint64_t)nx * ny,
+               true))
         return false;
-    m->uv = MEM_ARRAY(V2, m->nverts);
-    if (!m->uv) {
-        mesh_clear(m);
-        return false;
-    }
     for (uint32_t j = 0, k = 0; j <= ny; j++)
         for (uint32_t i = 0; i <= nx; i++, k++) {
             m->uv[k] = (V2){ (float)((double)i / nx), (float)((double)j / ny) };
@@ -130,7 +117,7 @@ bool mesh_uvsphere(Mesh *m, uint32_t nu, uint32_t nv)
 
     if (!in_range("uvsphere", "meridians", nu, 3, MESH_MAX) ||
         !in_range("uvsphere", "parallels", nv, 2, MESH_MAX) ||
-        !begin(m, (uint64_t)nu * (nv - 1) + 2, 2 * (uint64_t)nu * (nv - 1)))
+        !begin(m, (uint64_t)nu * (nv - 1) + 2, 2 * (uint64_t)nu * (nv - 1), false))
         return false;
     south = nu * (nv - 1);
     north = south + 1;
@@ -162,7 +149,7 @@ bool mesh_torus(Mesh *m, uint32_t nu, uint32_t nv, float major, float minor)
     if (!(minor > 0.0f && minor < major && is_finite(major)))
         return err_usage("torus of radii %g and %g, major > minor > 0 was expected",
                          (double)major, (double)minor);
-    if (!begin(m, (uint64_t)nu * nv, 2 * (uint64_t)nu * nv))
+    if (!begin(m, (uint64_t)nu * nv, 2 * (uint64_t)nu * nv, false))
         return false;
     for (uint32_t i = 0, k = 0; i < nu; i++) {
         float x, y, s, c;
@@ -270,7 +257,7 @@ bool mesh_icosphere(Mesh *m, uint32_t n)
     Ico s;
 
     if (!in_range("icosphere", "parts of an edge", n, 1, 10000) ||
-        !begin(m, 10 * (uint64_t)n * n + 2, 20 * (uint64_t)n * n))
+        !begin(m, 10 * (uint64_t)n * n + 2, 20 * (uint64_t)n * n, false))
         return false;
     ico_init(&s, n);
     for (int f = 0; f < 20; f++)
@@ -358,7 +345,7 @@ bool mesh_bumpy_of(Mesh *m, uint32_t ntris, uint64_t seed)
     cuts = (ntris - 20 * n * n + 1) / 2;
     if (!mesh_icosphere(&base, n))
         return false;
-    ok = begin(m, base.nverts + (uint64_t)cuts, ntris);
+    ok = begin(m, base.nverts + (uint64_t)cuts, ntris, false);
     if (ok) {
         memcpy(m->p, base.p, base.nverts * sizeof *m->p);
         memcpy(m->tri, base.tri, base.ntris * sizeof *m->tri);
@@ -385,7 +372,7 @@ bool mesh_soup(Mesh *m, uint32_t n, float side, uint64_t seed)
     if (!(side > 0.0f && is_finite(side)))
         return err_usage("soup of triangles of side %g, a number above 0 was expected",
                          (double)side);
-    if (!begin(m, 3 * (uint64_t)n, n))
+    if (!begin(m, 3 * (uint64_t)n, n, false))
         return false;
     for (uint32_t i = 0; i < n; i++) {
         V3 centre = random_point(&rng);

@@ -267,18 +267,14 @@ static LoopResult refine(Mesh *m)
 
     memset(&fine, 0, sizeof fine);
     if (result == LOOP_DONE) {
-        fine.nverts = m->nverts + t.nedges;
-        fine.ntris = 4 * m->ntris;
-        fine.p = MEM_ARRAY(V3, fine.nverts);
-        fine.tri = MEM_ARRAY(Tri, fine.ntris);
-        if (fine.p && fine.tri) {
+        if (mesh_alloc(&fine, m->nverts + (size_t)t.nedges, 4 * (size_t)m->ntris, false, false)) {
+            fine.nverts = m->nverts + t.nedges;
+            fine.ntris = 4 * m->ntris;
             split(&t, &fine);
             mesh_clear(m);
             *m = fine;
-        } else {
-            mesh_clear(&fine);
+        } else
             result = LOOP_NO_MEMORY;
-        }
     }
     topology_clear(&t);
     return result;

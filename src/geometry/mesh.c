@@ -1,7 +1,19 @@
-/* mesh.c -- what all meshes share: release, and dropping triangles without area. */
+/* mesh.c -- what all meshes share: their memory, and dropping triangles without area. */
 #include "geometry/mesh.h"
 
 #include "base/d3.h"
+
+bool mesh_alloc(Mesh *m, size_t nverts, size_t ntris, bool normals, bool uv)
+{
+    m->p = MEM_ARRAY(V3, nverts);
+    m->n = normals ? MEM_ARRAY(V3, nverts) : NULL;
+    m->uv = uv ? MEM_ARRAY(V2, nverts) : NULL;
+    m->tri = MEM_ARRAY(Tri, ntris);
+    if (m->p && (m->n || !normals) && (m->uv || !uv) && m->tri)
+        return true;
+    mesh_clear(m);
+    return false;
+}
 
 void mesh_clear(Mesh *m)
 {

@@ -147,12 +147,7 @@ static void join_rows(Mesh *m, uint32_t nu)
 
 static bool room(Mesh *m, size_t rows, size_t strips, uint32_t nu)
 {
-    size_t n = rows * (nu + (size_t)1);
-    m->p = MEM_ARRAY(V3, n);
-    m->n = MEM_ARRAY(V3, n);
-    m->uv = MEM_ARRAY(V2, n);
-    m->tri = MEM_ARRAY(Tri, 2 * strips * nu);
-    return m->p && m->n && m->uv && m->tri;
+    return mesh_alloc(m, rows * (nu + (size_t)1), 2 * strips * nu, true, true);
 }
 
 bool quadric_mesh(Mesh *m, const Quadric *q)
