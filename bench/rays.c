@@ -2,6 +2,7 @@
 #include "base/file.h"
 #include "bench/bench.h"
 #include "geometry/generate.h"
+#include "geometry/meshfile.h"
 #include "render/cast.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef TEST_MESH_HELP_H
 #define TEST_MESH_HELP_H
 
-#include "geometry/mesh.h"
+#include "geometry/meshfile.h"
 #include "test/test.h"
 
 typedef enum { FILE_PLY, FILE_OBJ, FILE_MTL } MeshFileKind;

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "geometry/image_shapes.h"
+#include "geometry/meshfile.h"
 #include "scene/scene.h"
 
 #include <stdio.h>

@@ -141,9 +141,8 @@ static Ray into_instance(const Instance *in, const Ray *r, float tmax)
 /* Where the ray enters the instance's bounds; false: not before tmax, or beyond all floats. */
 static bool instance_entry(const Instance *in, const Probe *p, float tmax, float *near)
 {
-    float b[8] = { in->bounds.lo.x, in->bounds.lo.y, in->bounds.lo.z, 0,
-                   in->bounds.hi.x, in->bounds.hi.y, in->bounds.hi.z, 0 }, far;
-    return slabs(p, b, tmax, near, &far) && *near < INFINITY;
+    float far;
+    return box_slabs(p, in->bounds, tmax, near, &far) && *near < INFINITY;
 }
 
 /* t from inside is raised to the entry of the instance's bounds, so that boxes around those are
@@ -232,8 +231,7 @@ bool odd_blocks(const Accel *a, uint32_t prim, const Ray *r, const Probe *p, Ste
 
     if (s->kind == SHAPE_INSTANCE)
         return instance_blocks(s->as.instance, r, p, steps);
-    h.t = r->tmax;
-    h.outer = NO_PRIM;
+    hit_none(&h, r->tmax);
     if (s->kind == SHAPE_TESSELLATION)
         return tessellation_hits(a, s->as.tessellation, prim, p, &h, true, steps);
     return odd_nearest(a, prim, r, p, &h, steps);
@@ -270,28 +268,26 @@ static void surface_to_world(const Affine *to_world, const Affine *to_object, Su
     s->dpdv = affine_vector(to_world, s->dpdv);
 }
 
+static void instance_surface(const Instance *in, const Ray *r, const Hit *h, Surface *s)
+{
+    Affine to_world, to_object;
+    Hit inner = *h;
+    Ray local;
+
+    instance_at(in, r->time, &to_world, &to_object);
+    local = into_space(&to_object, r, r->tmax);
+    inner.outer = h->prim;
+    accel_surface(in->accel, &local, &inner, s);
+    surface_to_world(&to_world, &to_object, s);
+}
+
 void accel_surface(const Accel *a, const Ray *r, const Hit *h, Surface *s)
 {
     const Geometry *g = a->geo;
-    const Shape *top;
+    const Shape *top = geometry_is_tri(g, h->outer) ? NULL : geometry_shape(g, h->outer);
 
-    if (LIKELY(h->outer < g->ntris)) {
+    if (top && top->kind == SHAPE_INSTANCE)
+        instance_surface(top->as.instance, r, h, s);
+    else
         geometry_surface(g, r, h, s);
-        return;
-    }
-    top = geometry_shape(g, h->outer);
-    if (top->kind != SHAPE_INSTANCE) {
-        geometry_surface(g, r, h, s);
-        return;
-    } else {
-        const Instance *in = top->as.instance;
-        Affine to_world, to_object;
-        Hit inner = *h;
-        Ray local;
-        instance_at(in, r->time, &to_world, &to_object);
-        local = into_space(&to_object, r, r->tmax);
-        inner.outer = h->prim;
-        accel_surface(in->accel, &local, &inner, s);
-        surface_to_world(&to_world, &to_object, s);
-    }
 }

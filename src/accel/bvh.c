@@ -36,13 +36,13 @@ typedef char node_has_32_bytes[sizeof(Pair) == 64 ? 1 : -1];
 typedef struct {
     Accel base;
     void *memory;               /* owned; holds the pairs, */
-    Pair *pairs;                /* which begin at a multiple of 64 in it */
+    Pair *pairs;                /* which begin at a multiple of MEM_LINE in it */
     uint32_t *order;            /* owned; NULL: each leaf has one primitive and names it */
     size_t npairs;
     Box  box;                   /* of everything */
     Link root;
     SkipNode *skips;            /* owned; of layout=skip, which has no pairs; else NULL */
-    size_t nskips;
+    size_t nskips;              /* base.nodes counts those over tessellations, too */
 } Bvh;
 
 static SkipTree skip_tree(const Bvh *b)
@@ -169,10 +169,10 @@ static bool settle_pairs(Build *b)
     Bvh *bvh = b->bvh;
     size_t bytes = b->npairs * sizeof(Pair);
 
-    bvh->memory = mem_array(bytes + 63, 1);
+    bvh->memory = mem_array(bytes + MEM_LINE - 1, 1);
     if (!bvh->memory)
         return false;
-    bvh->pairs = (Pair *)((char *)bvh->memory + (64 - (uintptr_t)bvh->memory % 64) % 64);
+    bvh->pairs = mem_line(bvh->memory);
     if (bytes)
         memcpy(bvh->pairs, b->pairs, bytes);
     bvh->npairs = b->npairs;
@@ -280,7 +280,7 @@ typedef struct {
 INLINE void pair_probe_init(PairProbe *q, const Probe *p)
 {
     for (int k = 0; k < 3; k++) {
-        float o = (&p->ray->o.x)[k], i = (&p->inv.x)[k];
+        float o = v_pick(&p->ray->o, k), i = v_pick(&p->inv, k);
         q->o[k] = f4(o, o, o, o);
         q->inv[k] = f4(i, i, -i, -i);
         q->turn[k] = f4_turn_if(i < 0.0f);

@@ -23,8 +23,6 @@ bool list_holds(const uint32_t *list, size_t n, uint32_t prim)
     return n && *list == prim;
 }
 
-typedef bool Listed(const Accel *a, uint32_t prim, const double p[3]);
-
 /* Points of a triangle, its corners among them: u, v in sixths. */
 static bool check_triangle(const Accel *a, uint32_t prim, Listed *listed)
 {

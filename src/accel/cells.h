@@ -19,10 +19,11 @@ INLINE bool mailbox_takes(Mailbox *m, uint32_t prim)
 bool list_ascends(const uint32_t *list, size_t n);
 bool list_holds(const uint32_t *list, size_t n, uint32_t prim);
 
+/* Whether the cells that hold p list the primitive. */
+typedef bool Listed(const Accel *a, uint32_t prim, const double p[3]);
+
 /* For validate(): all primitives are in the box, and of each, points in it are in cells that list
- * it; `listed` says whether those do that hold p. */
-bool cells_validate(const Accel *a, Box box,
-                    bool (*listed)(const Accel *a, uint32_t prim, const double p[3]), char *why,
-                    size_t room);
+ * it. */
+bool cells_validate(const Accel *a, Box box, Listed *listed, char *why, size_t room);
 
 #endif

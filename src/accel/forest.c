@@ -40,11 +40,13 @@ static int rows_of(Form f, const Tree *t)
     return rows;
 }
 
-/* Bounds of piece i of the n that a mesh of `count` triangles is divided into. */
+/* How many pieces a mesh of `count` triangles is divided into. */
 static uint32_t pieces_of(Form f, uint32_t count)
 {
     return f.pieces ? (uint32_t)(((uint64_t)count + f.pieces - 1) / f.pieces) : 1;
 }
+
+/* Where piece i of the n begins. */
 static uint32_t piece_begin(uint32_t count, uint32_t n, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / n);
@@ -145,18 +147,15 @@ bool forest_arrange(Geometry *g, Form f)
     return true;
 }
 
-/* ---- planes ---- */
+/* ---- boxes ---- */
 
-size_t forest_plane_at(const Forest *f, const Tree *t, uint32_t j, int side, int axis)
+Sibling forest_node(const Forest *f, const Tree *t, uint32_t j)
 {
-    size_t group = (j - 1) / f->form.arity, k = (j - 1) % f->form.arity;
-    return t->planes + ((group * 6 + (size_t)side * 3 + (size_t)axis) * f->form.arity + k) *
-                           ((size_t)f->bits / 8);
+    uint32_t n = f->form.arity;
+    size_t group = (j - 1) / n * siblings_bytes(n, f->bits);
+
+    return (Sibling){ f->planes + t->planes + group, n, (j - 1) % n, f->bits };
 }
-
-uint32_t forest_plane_get(const Forest *f, size_t at) { return plane_get(f->planes + at, f->bits); }
-
-void forest_plane_set(Forest *f, size_t at, uint32_t q) { plane_set(f->planes + at, f->bits, q); }
 
 Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
 {
@@ -168,7 +167,29 @@ Box tree_box(const Geometry *g, uint32_t first, uint32_t count)
 
 /* ---- building ---- */
 
-/* Lays out the trees of all meshes; their boxes go to refs. */
+/* The next tree, over `count` triangles; its box goes to refs. */
+static void add_tree(Forest *f, Ref *refs, uint32_t first, uint32_t count)
+{
+    Tree *t = &f->trees[f->ntrees];
+    Box b = tree_box(f->base.geo, first, count);
+    int rows;
+
+    *t = tree_of(f->form, first, count);
+    if (!fractions_init(&t->box, b, planes_range(f->bits))) {
+        t->inner = 0;                                   /* one leaf of all */
+        t->nodes = 1;
+    }
+    rows = rows_of(f->form, t);
+    t->planes = f->nplanes;
+    f->nplanes += t->inner * siblings_bytes(f->form.arity, f->bits);
+    f->base.nodes += t->nodes;
+    f->base.leaves += t->nodes - t->inner;
+    f->base.depth = rows > f->base.depth ? rows : f->base.depth;
+    refs[f->ntrees] = (Ref){ b, (uint32_t)f->ntrees };
+    f->ntrees++;
+}
+
+/* The trees of all meshes; their boxes go to refs. */
 static void lay_out(Forest *f, Ref *refs)
 {
     const Geometry *g = f->base.geo;
@@ -178,20 +199,7 @@ static void lay_out(Forest *f, Ref *refs)
         uint32_t n = pieces_of(f->form, s->count);
         for (uint32_t i = 0; i < n; i++) {
             uint32_t begin = piece_begin(s->count, n, i), end = piece_begin(s->count, n, i + 1);
-            Tree *t = &f->trees[f->ntrees];
-            Box b = tree_box(g, s->first + begin, end - begin);
-            *t = tree_of(f->form, s->first + begin, end - begin);
-            if (!fractions_init(&t->box, b, planes_range(f->bits)))
-                t->inner = 0;                           /* one leaf of all */
-            t->nodes = f->form.arity * t->inner + 1;
-            t->planes = f->nplanes;
-            f->nplanes += (size_t)(t->nodes - 1) * 6 * ((size_t)f->bits / 8);
-            f->base.nodes += t->nodes;
-            f->base.leaves += t->nodes - t->inner;
-            f->base.depth = rows_of(f->form, t) > f->base.depth ? rows_of(f->form, t)
-                                                                : f->base.depth;
-            refs[f->ntrees] = (Ref){ b, (uint32_t)f->ntrees };
-            f->ntrees++;
+            add_tree(f, refs, s->first + begin, end - begin);
         }
     }
 }

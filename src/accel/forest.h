@@ -59,13 +59,11 @@ bool forest_arrange(Geometry *g, Form f);
 Forest *forest_new(const Geometry *g, Form f, int bits, const char *name);
 void forest_free(Accel *a);
 
-/* Where plane `side` (0: lower) of an axis of node j > 0 stands; and its value. The planes of
- * siblings stand side by side, so that one test does for all. */
-size_t   forest_plane_at(const Forest *f, const Tree *t, uint32_t j, int side, int axis);
-uint32_t forest_plane_get(const Forest *f, size_t at);
-void     forest_plane_set(Forest *f, size_t at, uint32_t q);
+/* Where node j > 0 has its planes. */
+Sibling forest_node(const Forest *f, const Tree *t, uint32_t j);
 
-/* The triangles of leaf j: *from .. *to, counted from the tree's first. Some leaves are empty. */
+/* The triangles of leaf j: *from .. *to, counted from the tree's first. Some leaves are empty.
+ * [Cline07 (3.3)], corrected as the head says. */
 INLINE void leaf_range(const Tree *t, uint32_t leaf, uint32_t j, uint32_t *from, uint32_t *to)
 {
     uint32_t leaves = t->nodes - t->inner;
@@ -76,7 +74,7 @@ INLINE void leaf_range(const Tree *t, uint32_t leaf, uint32_t j, uint32_t *from,
     *to = end < t->count ? (uint32_t)end : t->count;
 }
 
-/* The triangles from..to of a tree against a ray. True: one was hit, and any will do. */
+/* The triangles of leaf j against a ray. True: one was hit, and any will do. */
 bool tree_leaf_hits(const Forest *f, const Tree *t, uint32_t j, const Probe *p, Hit *h, bool any,
                     Steps *steps);
 

@@ -15,11 +15,14 @@
 #include "accel/cells.h"
 #include "accel/line.h"
 #include "accel/prim.h"
+#include "base/d3.h"
 #include "base/mem.h"
 
 #include <float.h>
 #include <string.h>
 
+/* NEST_LEAST: primitives of a cell that gets a grid; DEPTH_MOST: grids in grids; RES_MOST: cells
+ * along an axis; MOST and MOST_NESTED: cells that a primitive takes on average, see add_grid. */
 enum { NEST_LEAST = 24, DEPTH_MOST = 3, RES_MOST = 1 << 15, MOST = 16, MOST_NESTED = 4 };
 
 /* Entries of cells: primitives, or a grid within the cell. */
@@ -97,6 +100,7 @@ static Cover cover_of(const Grid *g, const Cells *c, uint32_t prim)
     Box b = geometry_box(g->base.geo, prim);
     Cover v;
     V3 p[3];
+    D3 n;
 
     for (int k = 0; k < 3; k++) {
         v.from[k] = cell_at(c, k, v_axis(b.lo, k));
@@ -106,17 +110,14 @@ static Cover cover_of(const Grid *g, const Cells *c, uint32_t prim)
     if (!v.flat)
         return v;
     geometry_corners(g->base.geo, prim, p);
-    v.at = v.reach = 0;
-    for (int k = 0; k < 3; k++) {
-        int l = (k + 1) % 3, m = (k + 2) % 3;
-        double ul = (double)v_axis(p[1], l) - v_axis(p[0], l);
-        double um = (double)v_axis(p[1], m) - v_axis(p[0], m);
-        double wl = (double)v_axis(p[2], l) - v_axis(p[0], l);
-        double wm = (double)v_axis(p[2], m) - v_axis(p[0], m);
-        v.n[k] = ul * wm - um * wl;
-        v.at += v.n[k] * v_axis(p[0], k);
+    n = d3_normal(p[0], p[1], p[2]);
+    v.n[0] = n.x;
+    v.n[1] = n.y;
+    v.n[2] = n.z;
+    v.at = d3_dot(n, d3_of(p[0]));
+    v.reach = 0;
+    for (int k = 0; k < 3; k++)
         v.reach += fabs(v.n[k]) * (0.5 * c->size[k] + 2 * g->slack);
-    }
     v.flat = v.reach > 0 && v.reach < DBL_MAX;
     return v;
 }
@@ -464,8 +465,7 @@ static bool all_prims(Walk *w)
 
 static bool query(const Grid *g, const Ray *r, Hit *h, bool any, Steps *steps)
 {
-    float b[8] = { g->box.lo.x, g->box.lo.y, g->box.lo.z, 0,
-                   g->box.hi.x, g->box.hi.y, g->box.hi.z, 0 }, near, far;
+    float near, far;
     Walk w;
 
     hit_none(h, r->tmax);
@@ -480,7 +480,7 @@ static bool query(const Grid *g, const Ray *r, Hit *h, bool any, Steps *steps)
     probe_init(&w.probe, r);
     if (!line_init(&w.line, r, g->slack))
         return all_prims(&w);
-    if (!slabs(&w.probe, b, r->tmax, &near, &far))
+    if (!box_slabs(&w.probe, g->box, r->tmax, &near, &far))
         return false;
     walk(&w, &g->grid[0], near, d_min(d_min(far, r->tmax), FLT_MAX));
     return h->outer != NO_PRIM;

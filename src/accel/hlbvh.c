@@ -33,34 +33,24 @@ static Side side_of(Box b, int axis, int side)
     return (Side){ side ? -hi : lo, (hi - lo) * NESTED_STEP };
 }
 
-/* Node j's box within its parent's, as a ray sees it. */
-static Box box_within(const Forest *f, const Tree *t, uint32_t j, Box parent)
+/* The box of a node within its parent's, as a ray sees it. */
+static Box box_within(Sibling node, Box parent)
 {
     float p[2][3];
 
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < 3; k++) {
             Side s = side_of(parent, k, side);
-            uint32_t q = forest_plane_get(f, forest_plane_at(f, t, j, side, k));
-            float x = plane_at(s.base, s.step, q);
+            float x = plane_at(s.base, s.step, sibling_plane(node, side, k));
             p[side][k] = side ? -x : x;
         }
     return (Box){ v3(p[0][0], p[0][1], p[0][2]), v3(p[1][0], p[1][1], p[1][2]) };
 }
 
-static Box root_box(const Tree *t)
-{
-    float hi[3];
-
-    for (int k = 0; k < 3; k++)
-        hi[k] = plane_at(t->box.lo[k], t->box.step[k], 255);
-    return (Box){ v3(t->box.lo[0], t->box.lo[1], t->box.lo[2]), v3(hi[0], hi[1], hi[2]) };
-}
-
 /* ---- building ---- */
 
-/* The planes of node j, which must hold b, within its parent's box. */
-static void encode(Forest *f, const Tree *t, uint32_t j, Box b, Box parent)
+/* The planes of a node, which must hold b, within its parent's box. */
+static void encode(Sibling node, Box b, Box parent)
 {
     uint32_t none = box_is_empty(parent) ? 0 : 255;
 
@@ -68,9 +58,9 @@ static void encode(Forest *f, const Tree *t, uint32_t j, Box b, Box parent)
         for (int k = 0; k < 3; k++) {
             Side s = side_of(parent, k, side);
             float x = side ? -v_axis(b.hi, k) : v_axis(b.lo, k);
-            forest_plane_set(f, forest_plane_at(f, t, j, side, k),
-                             box_is_empty(b) ? none
-                                             : planes_below(s.base, s.step, x, 255, true) - 1);
+            sibling_plane_set(node, side, k,
+                              box_is_empty(b) ? none
+                                              : planes_below(s.base, s.step, x, 255, true) - 1);
         }
 }
 
@@ -95,11 +85,11 @@ static void bound_nodes(const Forest *f, const Tree *t, Box *box)
 static void encode_tree(Forest *f, const Tree *t, Box *box)
 {
     bound_nodes(f, t, box);
-    box[0] = root_box(t);
+    box[0] = fractions_box(&t->box, planes_range(f->bits));
     for (uint32_t j = 1; j < t->nodes; j++) {
         Box parent = box[(j - 1) / f->form.arity];
-        encode(f, t, j, box[j], parent);
-        box[j] = box_within(f, t, j, parent);
+        encode(forest_node(f, t, j), box[j], parent);
+        box[j] = box_within(forest_node(f, t, j), parent);
     }
 }
 
@@ -160,7 +150,8 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 /* From the root down to node j. */
 static Box node_box(const Forest *f, const Tree *t, uint32_t j)
 {
-    return j ? box_within(f, t, j, node_box(f, t, (j - 1) / f->form.arity)) : root_box(t);
+    return j ? box_within(forest_node(f, t, j), node_box(f, t, (j - 1) / f->form.arity))
+             : fractions_box(&t->box, planes_range(f->bits));
 }
 
 static bool validate(const Accel *a, char *why, size_t room)

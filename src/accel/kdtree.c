@@ -15,11 +15,14 @@
 #include "accel/cells.h"
 #include "accel/line.h"
 #include "accel/prim.h"
+#include "base/d3.h"
 #include "base/mem.h"
 
 #include <float.h>
 #include <string.h>
 
+/* PLANES: that are tried along an axis where there are more than FEW primitives. ENTRIES_MOST: of
+ * lists, for each primitive; after that cells are divided no more. */
 enum { PLANES = 32, FEW = 64, DEPTH_MOST = 64, ENTRIES_MOST = 12, NODES_MOST = 1 << 29 };
 
 /* The kind is the axis of the plane, or LEAF. */
@@ -188,21 +191,15 @@ static void cut(Polygon *g, int axis, double x, double sign)
  * across most. False: it has no plane. */
 static bool plane_over(const V3 c[3], Box b, Polygon *g, int *axis)
 {
-    double n[3], most = 0;
+    D3 normal = d3_normal(c[0], c[1], c[2]);
+    double n[3] = { normal.x, normal.y, normal.z }, most = 0;
     int l, m;
 
-    for (int k = 0; k < 3; k++) {
-        l = (k + 1) % 3;
-        m = (k + 2) % 3;
-        n[k] = ((double)v_axis(c[1], l) - v_axis(c[0], l)) *
-                   ((double)v_axis(c[2], m) - v_axis(c[0], m)) -
-               ((double)v_axis(c[1], m) - v_axis(c[0], m)) *
-                   ((double)v_axis(c[2], l) - v_axis(c[0], l));
+    for (int k = 0; k < 3; k++)
         if (fabs(n[k]) > most) {
             most = fabs(n[k]);
             *axis = k;
         }
-    }
     if (!(most > 0 && most < DBL_MAX))
         return false;
     l = (*axis + 1) % 3;
@@ -419,8 +416,8 @@ static Accel *build(const Geometry *g, const Opts *o, int threads)
 /* A branch that waits, and the part of the ray that may be in it. */
 typedef struct { double near, far; uint32_t node; } Waiting;
 
-/* Which children the ray may be in between near and far: sets the first to go on with and, unless
- * there is one only, what waits. */
+/* Which children the ray may be in between near and far: the first to go on with is returned and,
+ * unless there is one only, the other waits. */
 INLINE uint32_t next_node(const KdTree *t, uint32_t at, const Line *l, double *near, double *far,
                           Waiting **top)
 {
@@ -447,17 +444,32 @@ INLINE uint32_t next_node(const KdTree *t, uint32_t at, const Line *l, double *n
     return d > 0 ? lower : upper;
 }
 
+/* A leaf's primitives that were not tested in another one. True: the query may end. */
+INLINE bool leaf_meets(const KdTree *t, const Node *leaf, Mailbox *tested, const Ray *r,
+                       const Probe *p, Hit *h, bool any, Steps *steps)
+{
+    for (uint32_t i = leaf->at.first; i < leaf->at.first + number_of(leaf); i++) {
+        uint32_t prim = t->entry[i];
+        if (!mailbox_takes(tested, prim))
+            continue;
+        if (steps)
+            steps->prims++;
+        if (prim_meets(&t->base, prim, r, p, h, any, steps) && any)
+            return true;
+    }
+    return false;
+}
+
 static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
 {
-    float b[8] = { t->box.lo.x, t->box.lo.y, t->box.lo.z, 0,
-                   t->box.hi.x, t->box.hi.y, t->box.hi.z, 0 }, enter, leave;
     Waiting stack[DEPTH_MOST + 1], *top = stack;
-    Mailbox tested;
-    Probe p;
-    Line l;
-    bool follows;
+    float enter, leave;
     double near, far;
     uint32_t at = 0;
+    Mailbox tested;
+    bool follows;
+    Probe p;
+    Line l;
 
     hit_none(h, r->tmax);
     if (t->nnodes == 0)
@@ -465,7 +477,7 @@ static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
     probe_init(&p, r);
     mailbox_init(&tested);
     follows = line_init(&l, r, t->slack);
-    if (!slabs(&p, b, r->tmax, &enter, &leave))
+    if (!box_slabs(&p, t->box, r->tmax, &enter, &leave))
         return false;
     near = enter;
     far = d_min(d_min(leave, r->tmax), FLT_MAX);
@@ -482,15 +494,8 @@ static bool query(const KdTree *t, const Ray *r, Hit *h, bool any, Steps *steps)
             at++;
             continue;
         }
-        for (uint32_t i = n->at.first; i < n->at.first + number_of(n); i++) {
-            uint32_t prim = t->entry[i];
-            if (!mailbox_takes(&tested, prim))
-                continue;
-            if (steps)
-                steps->prims++;
-            if (prim_meets(&t->base, prim, r, &p, h, any, steps) && any)
-                return true;
-        }
+        if (leaf_meets(t, n, &tested, r, &p, h, any, steps))
+            return true;
         do {
             if (top == stack)
                 return h->outer != NO_PRIM;

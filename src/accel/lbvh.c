@@ -8,64 +8,37 @@
 
 /* ---- building ---- */
 
-/* Node j from its triangles. An empty one gets planes that no ray is between. */
-static void encode_leaf(Forest *f, const Tree *t, uint32_t j)
+/* A leaf has its box from its triangles, any other node from its children; the last come first. */
+static void encode_tree(Forest *f, const Tree *t)
 {
-    uint32_t from, to, range = planes_range(f->bits);
-    Box b;
+    uint32_t from, to;
 
-    leaf_range(t, f->form.leaf, j, &from, &to);
-    b = tree_box(f->base.geo, t->first + from, to - from);
-    for (int k = 0; k < 3; k++) {
-        forest_plane_set(f, forest_plane_at(f, t, j, 0, k),
-                  from < to ? plane_encode(&t->box, k, v_axis(b.lo, k), range, false) : range);
-        forest_plane_set(f, forest_plane_at(f, t, j, 1, k),
-                  from < to ? plane_encode(&t->box, k, v_axis(b.hi, k), range, true) : 0);
-    }
-}
-
-/* The same from its children: what is rounded outwards stays in order. */
-static void join_children(Forest *f, const Tree *t, uint32_t j)
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t lo = planes_range(f->bits), hi = 0;
-        for (uint32_t c = f->form.arity * j + 1; c <= f->form.arity * j + f->form.arity; c++) {
-            uint32_t a = forest_plane_get(f, forest_plane_at(f, t, c, 0, k));
-            uint32_t b = forest_plane_get(f, forest_plane_at(f, t, c, 1, k));
-            lo = a < lo ? a : lo;
-            hi = b > hi ? b : hi;
-        }
-        forest_plane_set(f, forest_plane_at(f, t, j, 0, k), lo);
-        forest_plane_set(f, forest_plane_at(f, t, j, 1, k), hi);
-    }
-}
-
-static void encode_trees(Forest *f)
-{
-    for (size_t i = 0; i < f->ntrees; i++)
-        for (uint32_t j = f->trees[i].nodes - 1; j > 0; j--) {
-            if (j >= f->trees[i].inner)
-                encode_leaf(f, &f->trees[i], j);
-            else
-                join_children(f, &f->trees[i], j);
+    for (uint32_t j = t->nodes - 1; j > 0; j--)
+        if (j < t->inner)
+            sibling_join(forest_node(f, t, j), forest_node(f, t, f->form.arity * j + 1));
+        else {
+            leaf_range(t, f->form.leaf, j, &from, &to);
+            sibling_encode(forest_node(f, t, j), &t->box,
+                           tree_box(f->base.geo, t->first + from, to - from));
         }
 }
 
-static int bits_of(const Opts *o) { return opt_is(o, "bits", "8") ? 8 : 16; }
+static int plane_bits(const Opts *o) { return opt_is(o, "bits", "8") ? 8 : 16; }
 
 static RegularForm regular(const Opts *o)
 {
-    return (RegularForm){ bits_of(o), (uint32_t)opt_int(o, "leaf") };
+    return (RegularForm){ plane_bits(o), (uint32_t)opt_int(o, "leaf") };
 }
 
 static Accel *build(const Geometry *g, const Opts *o, int threads)
 {
-    Forest *f = forest_new(g, forest_form(o), bits_of(o), "lbvh");
+    Forest *f = forest_new(g, forest_form(o), plane_bits(o), "lbvh");
 
     (void)threads;
     if (!f)
         return NULL;
-    encode_trees(f);
+    for (size_t i = 0; i < f->ntrees; i++)
+        encode_tree(f, &f->trees[i]);
     return &f->base;
 }
 
@@ -108,16 +81,8 @@ static bool blocked(const Accel *a, const Ray *r, Steps *steps)
 /* The box of node j as a ray sees it. */
 static Box node_box(const Forest *f, const Tree *t, uint32_t j)
 {
-    uint32_t range = planes_range(f->bits);
-    float p[2][3];
-
-    for (int side = 0; side < 2; side++)
-        for (int k = 0; k < 3; k++) {
-            uint32_t whole = side ? range : 0;
-            uint32_t q = j ? forest_plane_get(f, forest_plane_at(f, t, j, side, k)) : whole;
-            p[side][k] = plane_at(t->box.lo[k], t->box.step[k], q);
-        }
-    return (Box){ v3(p[0][0], p[0][1], p[0][2]), v3(p[1][0], p[1][1], p[1][2]) };
+    return j ? sibling_box(forest_node(f, t, j), &t->box)
+             : fractions_box(&t->box, planes_range(f->bits));
 }
 
 static bool validate(const Accel *a, char *why, size_t room)

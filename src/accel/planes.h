@@ -22,10 +22,6 @@ INLINE float plane_at(float base, float step, uint32_t q) { return base + (float
 /* How many of the planes 0 .. range are below x or, if so wanted, equal to it. */
 uint32_t planes_below(float base, float step, float x, uint32_t range, bool equal);
 
-/* A plane of 8 or 16 bits in memory. */
-uint32_t plane_get(const unsigned char *p, int bits);
-void     plane_set(unsigned char *p, int bits, uint32_t q);
-
 /* ---- fractions of a box ---- */
 
 /* Plane q of axis k is lo[k] + q step[k]. */
@@ -35,15 +31,33 @@ typedef struct { float lo[3], step[3]; } Fractions;
  * an end, or so large that floats have no last plane; it cannot be divided. */
 bool fractions_init(Fractions *f, Box b, uint32_t range);
 
-/* The largest plane not above x, or (upper) the least not below it; for x within the box. */
-uint32_t plane_encode(const Fractions *f, int axis, float x, uint32_t range, bool upper);
+/* From plane 0 to plane `range`. */
+Box fractions_box(const Fractions *f, uint32_t range);
 
 /* ---- siblings ----
  *
- * Boxes side by side, one lane each. Planes of one side (0: lower) and axis stand together, those
+ * Boxes side by side, planes of 8 or 16 bits. Those of one side (0: lower) and axis stand together,
  * of all n children in a row: plane (side, axis) of child k is number (3 side + axis) n + k. */
 
 enum { SIBLINGS_MOST = 8, SIBLINGS_PAD = 32 };  /* PAD: eight are read where there may be fewer */
+
+/* The bytes of n siblings. */
+INLINE size_t siblings_bytes(uint32_t n, int bits) { return n * (size_t)6 * ((size_t)bits / 8); }
+
+/* Child k of n siblings, whose planes begin at `planes`. */
+typedef struct { unsigned char *planes; uint32_t n, k; int bits; } Sibling;
+
+uint32_t sibling_plane(Sibling s, int side, int axis);
+void     sibling_plane_set(Sibling s, int side, int axis, uint32_t q);
+
+/* By planes that are fractions of a box: makes the child's hold b, which lies within that. An empty
+ * b gets planes that no ray is between. */
+void sibling_encode(Sibling s, const Fractions *f, Box b);
+/* Makes them hold those of its own children, of which `child` is one. */
+void sibling_join(Sibling s, Sibling child);
+Box  sibling_box(Sibling s, const Fractions *f);
+
+/* ---- a ray against siblings, one lane each ---- */
 
 /* Sides: 0 is the one that the ray meets first, 1 the other. */
 typedef struct {
@@ -58,7 +72,7 @@ typedef union { float plane[2][3][SIBLINGS_MOST]; F8 align; } Decoded;
 INLINE void siblings_init(Siblings *s, const Fractions *f, uint32_t n, int bits, const Probe *p)
 {
     const float *o = &p->ray->o.x, *inv = &p->inv.x;
-    size_t row = n * ((size_t)bits / 8);
+    size_t row = siblings_bytes(n, bits) / 6;
 
     for (int k = 0; k < 3; k++) {
         int down = inv[k] < 0.0f;

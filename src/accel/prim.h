@@ -26,8 +26,7 @@ INLINE bool prim_blocks(const Accel *a, uint32_t prim, const Ray *r, const Probe
 {
     if (LIKELY(geometry_is_tri(a->geo, prim))) {
         Hit h;
-        h.t = r->tmax;
-        h.outer = NO_PRIM;
+        hit_none(&h, r->tmax);
         return triangle_nearest(a->geo, prim, p, &h);
     }
     return odd_blocks(a, prim, r, p, steps);

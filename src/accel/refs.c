@@ -1,8 +1,9 @@
 /* refs.c -- primitives being sorted into a tree. See refs.h. */
 #include "accel/refs.h"
 
-#include <string.h>
+#include "base/bits.h"
 
+/* FEW refs get fewer bins, which are sooner empty and sooner compared; MANY: see fill_rows. */
 enum { BINS = 16, FEW = 24, BINS_FEW = 8, MANY = 256 };
 
 void refs_init(Ref *refs, const Geometry *g)
@@ -69,10 +70,8 @@ Extent refs_extent(const Ref *refs, size_t n)
  * below it: no two are equal, so the tree does not depend on the order of refs. */
 static uint64_t ref_key(const Ref *r, int axis)
 {
-    float centre = ref_centre(r, axis) + 0.0f;          /* -0 counts as 0 */
-    uint32_t bits;
+    uint32_t bits = bits_of_float(ref_centre(r, axis) + 0.0f);  /* -0 counts as 0 */
 
-    memcpy(&bits, &centre, 4);
     bits ^= bits >> 31 ? 0xFFFFFFFFu : 0x80000000u;
     return (uint64_t)bits << 32 | r->prim;
 }

@@ -105,19 +105,9 @@ INLINE Strip region_strip(const Regular *r, const Region *g, uint32_t k)
 
 /* ---- building ---- */
 
-static unsigned char *plane_of(const Regular *r, size_t group, uint32_t k, int side, int axis)
+static Sibling node_of(const Regular *r, size_t group, uint32_t k)
 {
-    return r->planes + ((group * 6 + (size_t)(3 * side + axis)) * ARITY + k) *
-                           ((size_t)r->bits / 8);
-}
-
-static void node_set(const Regular *r, size_t group, uint32_t k, int side, int axis, uint32_t q)
-{
-    plane_set(plane_of(r, group, k, side, axis), r->bits, q);
-}
-static uint32_t node_get(const Regular *r, size_t group, uint32_t k, int side, int axis)
-{
-    return plane_get(plane_of(r, group, k, side, axis), r->bits);
+    return (Sibling){ r->planes + group * siblings_bytes(ARITY, r->bits), ARITY, k, r->bits };
 }
 
 /* Holds triangle_box of every triangle of a leaf: it is widened by more, in the same steps. But no
@@ -135,56 +125,20 @@ static Box leaf_box(const Regular *r, const Region *g)
     return (Box){ v_max(b.lo, all.lo), v_min(b.hi, all.hi) };
 }
 
-/* One node: of an empty region, planes that no ray is between. */
-static void encode_leaf(Regular *r, const Region *leaf, size_t group, uint32_t k)
-{
-    uint32_t range = planes_range(r->bits);
-    Box b = leaf_box(r, leaf);
-
-    r->leaves++;
-    for (int axis = 0; axis < 3; axis++) {
-        node_set(r, group, k, 0, axis, plane_encode(&r->box, axis, v_axis(b.lo, axis), range,
-                                                    false));
-        node_set(r, group, k, 1, axis, plane_encode(&r->box, axis, v_axis(b.hi, axis), range,
-                                                    true));
-    }
-}
-
-static void encode_empty(const Regular *r, size_t group, uint32_t k)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        node_set(r, group, k, 0, axis, planes_range(r->bits));
-        node_set(r, group, k, 1, axis, 0);
-    }
-}
-
-/* From the four below: what is rounded outwards stays in order. */
-static void encode_inner(const Regular *r, size_t below, size_t group, uint32_t k)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        uint32_t lo = planes_range(r->bits), hi = 0;
-        for (uint32_t c = 0; c < ARITY; c++) {
-            uint32_t a = node_get(r, below, c, 0, axis), b = node_get(r, below, c, 1, axis);
-            lo = a < lo ? a : lo;
-            hi = b > hi ? b : hi;
-        }
-        node_set(r, group, k, 0, axis, lo);
-        node_set(r, group, k, 1, axis, hi);
-    }
-}
-
 /* All nodes below a region that is no leaf; the leaves first. */
 static void encode_below(Regular *r, const Region *g)
 {
     for (uint32_t k = 0; k < ARITY; k++) {
+        Sibling node = node_of(r, g->group, k);
         Region c = region_child(r, g, k);
         if (region_is_empty(r, &c))
-            encode_empty(r, g->group, k);
-        else if (c.level == 0)
-            encode_leaf(r, &c, g->group, k);
-        else {
+            sibling_encode(node, &r->box, box_empty());
+        else if (c.level == 0) {
+            sibling_encode(node, &r->box, leaf_box(r, &c));
+            r->leaves++;
+        } else {
             encode_below(r, &c);
-            encode_inner(r, c.group, g->group, k);
+            sibling_join(node, node_of(r, c.group, 0));
         }
     }
 }
@@ -243,7 +197,7 @@ void regular_free(Regular *r)
 
 size_t regular_bytes(const Regular *r)
 {
-    return sizeof *r + r->groups * (2 * 3 * ARITY) * ((size_t)r->bits / 8) + SIBLINGS_PAD;
+    return sizeof *r + r->groups * siblings_bytes(ARITY, r->bits) + SIBLINGS_PAD;
 }
 
 uint64_t regular_nodes(const Regular *r) { return ARITY * (uint64_t)r->groups + 1; }
@@ -304,7 +258,7 @@ enum { STACK = 3 * LEVELS };
 INLINE bool enter_children(const Regular *r, const Siblings *s, Region *at, float tmax, int bits,
                            Pending **top)
 {
-    const unsigned char *siblings = r->planes + at->group * (6 * ARITY) * ((size_t)bits / 8);
+    const unsigned char *siblings = r->planes + at->group * siblings_bytes(ARITY, bits);
     float near[SIBLINGS_MOST];
     int hits = siblings_enter(s, siblings, ARITY, bits, tmax, near, NULL);
     Pending next = { INFINITY, *at };
@@ -395,18 +349,6 @@ static bool bad(const Check *c, const char *what, size_t where)
     return accel_bad(c->why, c->room, what, where);
 }
 
-/* The box of a node as a ray sees it. */
-static Box node_box(const Regular *r, size_t group, uint32_t k)
-{
-    float p[2][3];
-
-    for (int side = 0; side < 2; side++)
-        for (int axis = 0; axis < 3; axis++)
-            p[side][axis] = plane_at(r->box.lo[axis], r->box.step[axis],
-                                     node_get(r, group, k, side, axis));
-    return (Box){ v3(p[0][0], p[0][1], p[0][2]), v3(p[1][0], p[1][1], p[1][2]) };
-}
-
 static bool check_leaf(Check *c, const Region *g, Box b)
 {
     const Tessellation *t = c->r->t;
@@ -434,7 +376,7 @@ static bool check_region(Check *c, const Region *g, Box b)
         return bad(c, "siblings that do not exist or have two parents", g->group);
     for (uint32_t k = 0; k < ARITY; k++) {
         Region child = region_child(c->r, g, k);
-        Box below = node_box(c->r, g->group, k);
+        Box below = sibling_box(node_of(c->r, g->group, k), &c->r->box);
         if (region_is_empty(c->r, &child)) {
             if (!box_is_empty(below))
                 return bad(c, "an empty region has a box, in group", g->group);

@@ -54,7 +54,7 @@ INLINE bool tree_walk(const Forest *f, const Tree *t, const Probe *p, Hit *h, bo
     Decoded rows[TREE_ROWS];
     const unsigned char *planes = f->planes + t->planes;
     const uint32_t arity = f->form.arity;
-    size_t group = 6 * arity * ((size_t)bits / 8);
+    size_t group = siblings_bytes(arity, bits);
     uint32_t at = 0, place = 0;
     Siblings s;
 

@@ -4,25 +4,15 @@
 #ifndef ACCEL_WAITING_H
 #define ACCEL_WAITING_H
 
-#include "base/platform.h"
-
-#include <string.h>
+#include "base/bits.h"
 
 typedef uint64_t Waiting;
 
 INLINE Waiting waiting(float near, uint32_t number)
 {
-    uint32_t bits;
-    memcpy(&bits, &near, 4);
-    return (Waiting)bits << 32 | number;
+    return (Waiting)bits_of_float(near) << 32 | number;
 }
 
-INLINE float waiting_near(Waiting w)
-{
-    uint32_t bits = (uint32_t)(w >> 32);
-    float near;
-    memcpy(&near, &bits, 4);
-    return near;
-}
+INLINE float waiting_near(Waiting w) { return float_of((uint32_t)(w >> 32)); }
 
 #endif

@@ -225,8 +225,7 @@ static Box child_box(const Wide *w, Below at, int k)
 
     for (int side = 0; side < 2; side++)
         for (int axis = 0; axis < 3; axis++) {
-            float x = w->lean ? lean_plane(&w->small[at], axis, w->small[at].plane[side][axis][k])
-                              : w->fast[at].plane[side][axis][k];
+            float x = node_plane(w, w->lean, at, axis, (3 * side + axis) * WIDTH + k);
             p[side][axis] = x == x ? x : side ? INFINITY : -INFINITY;
         }
     return (Box){ v3(p[0][0], p[0][1], p[0][2]), v3(p[1][0], p[1][1], p[1][2]) };
@@ -236,7 +235,6 @@ static Box child_box(const Wide *w, Below at, int k)
 static bool check_below(Check *c, Below at, Box box)
 {
     const Wide *w = c->wide;
-    uint32_t present;
 
     if (!w->lean && is_odd(at))
         return check_prim(c, at & ~BELOW_ODD, box);
@@ -244,9 +242,9 @@ static bool check_below(Check *c, Below at, Box box)
         return check_leaf(c, at, box);
     if (at >= w->nnodes || c->nodes++ > w->nnodes)
         return accel_bad(c->why, c->room, "a node out of range, or reached twice,", at);
-    present = w->lean ? w->small[at].present : w->fast[at].present;
     for (int k = 0; k < WIDTH; k++)
-        if (present >> k & 1 && !check_below(c, node_child(w, w->lean, at, k), child_box(w, at, k)))
+        if (node_present(w, w->lean, at) >> k & 1 &&
+            !check_below(c, node_child(w, w->lean, at, k), child_box(w, at, k)))
             return false;
     return true;
 }

@@ -4,6 +4,7 @@
 #define ACCEL_WIDE_H
 
 #include "accel/accel.h"
+#include "accel/planes.h"
 #include "accel/prim.h"
 #include "accel/refs.h"
 #include "accel/waiting.h"
@@ -50,8 +51,8 @@ typedef struct {
     Accel base;
     bool  lean;
     void *memory;                       /* owned; holds nodes and blocks, */
-    FastNode *fast;                     /* which begin at multiples of 64 in it; one of these two */
-    LeanNode *small;                    /* is NULL */
+    FastNode *fast_nodes;               /* which begin at multiples of MEM_LINE in it; one of */
+    LeanNode *lean_nodes;               /* these two is NULL */
     TriangleBlock *blocks;              /* of form fast: a leaf's copies of its triangles */
     uint32_t *order;                    /* owned; of form lean: primitives in leaf order; NULL: as
                                          * they are */
@@ -65,7 +66,7 @@ bool wide_build(Wide *w, const Geometry *g, int threads);
 /* A plane of a lean node. In lanes, see node_enter. */
 INLINE float lean_plane(const LeanNode *n, int axis, unsigned char q)
 {
-    return n->lo[axis] + (float)q * n->step[axis];
+    return plane_at(n->lo[axis], n->step[axis], q);
 }
 
 /* ---- steps of a query ---- */
@@ -99,17 +100,23 @@ INLINE F8 node_planes(const Wide *w, bool lean, Below at, int axis, int place)
     const LeanNode *n;
 
     if (!lean)
-        return f8_load(w->fast[at].plane[0][0] + place);
-    n = &w->small[at];
+        return f8_load(w->fast_nodes[at].plane[0][0] + place);
+    n = &w->lean_nodes[at];
     return f8_add(f8_all(n->lo[axis]),
                   f8_mul(f8_load_u8(n->plane[0][0] + place), f8_all(n->step[axis])));
 }
 
-/* One of them. */
+/* The plane at `place`, of one child. */
 INLINE float node_plane(const Wide *w, bool lean, Below at, int axis, int place)
 {
-    return lean ? lean_plane(&w->small[at], axis, *(w->small[at].plane[0][0] + place))
-                : *(w->fast[at].plane[0][0] + place);
+    return lean ? lean_plane(&w->lean_nodes[at], axis, *(w->lean_nodes[at].plane[0][0] + place))
+                : *(w->fast_nodes[at].plane[0][0] + place);
+}
+
+/* Bit k: child k exists. */
+INLINE int node_present(const Wide *w, bool lean, Below at)
+{
+    return lean ? w->lean_nodes[at].present : (int)w->fast_nodes[at].present;
 }
 
 /* Bit k: the ray enters the box of child k before it leaves it and not beyond tmax; lane k of *near
@@ -117,7 +124,6 @@ INLINE float node_plane(const Wide *w, bool lean, Below at, int axis, int place)
 INLINE int node_enter(const Wide *w, bool lean, Below at, const NodeProbe *q, float tmax, F8 *near)
 {
     F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
-    uint32_t present = lean ? w->small[at].present : w->fast[at].present;
 
     for (int k = 0; k < 3; k++) {
         F8 a = node_planes(w, lean, at, k, q->order->near[k]);
@@ -127,16 +133,16 @@ INLINE int node_enter(const Wide *w, bool lean, Below at, const NodeProbe *q, fl
     }
     *near = enter;
     return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
-           f8_at_most(enter, f8_all(tmax)) & (int)present;
+           f8_at_most(enter, f8_all(tmax)) & node_present(w, lean, at);
 }
 
 /* What child k is. */
 INLINE Below node_child(const Wide *w, bool lean, Below at, int k)
 {
-    const LeanNode *n = &w->small[at];
+    const LeanNode *n = &w->lean_nodes[at];
 
     if (!lean)
-        return w->fast[at].child[k];
+        return w->fast_nodes[at].child[k];
     if (k >= n->leaves)
         return n->nodes + (Below)(k - n->leaves);
     return BELOW_LEAF + (((Below)n->end[k + 1] - n->end[k] - 1) << LEAF_SHIFT) + n->prims +
@@ -209,6 +215,18 @@ INLINE uint64_t leaf_prims(Below at) { return is_odd(at) ? 1 : (uint64_t)leaf_co
 enum { WIDE_STACK = (WIDTH - 1) * (REFS_DEPTH_SAH + 34) + WIDTH };
 
 /* ---- many rays ---- */
+
+/* Whether *best is a hit; *h, if it is wanted, becomes what the ray found. */
+INLINE bool answer(const Hit *best, const Ray *r, Hit *h)
+{
+    bool hit = best->outer != NO_PRIM;
+
+    if (h && hit)
+        *h = *best;
+    else if (h)
+        hit_none(h, r->tmax);
+    return hit;
+}
 
 /* The batched queries of accel.h, see widemany.c. */
 void wide_nearest_many(const Accel *a, const Ray *r, Hit *h, bool *hit, size_t n);

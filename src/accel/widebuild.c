@@ -35,7 +35,7 @@ typedef struct {
     Part  upper;
     Part *part;                         /* owned */
     size_t nparts, cap_parts;
-    uint32_t small;                     /* runs below the upper part have no more */
+    uint32_t part_most;                 /* refs of a run below the upper part */
 } Build;
 
 static size_t node_size(const Wide *w) { return w->lean ? sizeof(LeanNode) : sizeof(FastNode); }
@@ -195,12 +195,17 @@ static void set_steps(LeanNode *n, Box b)
     }
 }
 
-/* The largest plane not above x, or the least not below it; reckoned, and then put right for the
- * rounding. */
-static unsigned char lower_plane(const LeanNode *n, int axis, float x)
+/* The plane that is at x or near it. */
+static int plane_near(const LeanNode *n, int axis, float x)
 {
     double q = ((double)x - n->lo[axis]) / n->step[axis];
-    int at = q >= 255 ? 255 : q > 0 ? (int)q : 0;
+    return q >= 255 ? 255 : q > 0 ? (int)q : 0;
+}
+
+/* The largest plane not above x, or the least not below it. */
+static unsigned char lower_plane(const LeanNode *n, int axis, float x)
+{
+    int at = plane_near(n, axis, x);
 
     while (at > 0 && lean_plane(n, axis, (unsigned char)at) > x)
         at--;
@@ -208,8 +213,7 @@ static unsigned char lower_plane(const LeanNode *n, int axis, float x)
 }
 static unsigned char upper_plane(const LeanNode *n, int axis, float x)
 {
-    double q = ((double)x - n->lo[axis]) / n->step[axis];
-    int at = q >= 255 ? 255 : q > 0 ? (int)q : 0;
+    int at = plane_near(n, axis, x);
 
     while (at < 255 && lean_plane(n, axis, (unsigned char)at) < x)
         at++;
@@ -247,7 +251,7 @@ static bool make_node(Build *b, Part *p, Below at, const Run *whole);
 /* What is below the run becomes node `at` of the part, or a part by itself. */
 static bool make_below(Build *b, Part *p, Below at, const Run *run)
 {
-    if (p != &b->upper || run->count > b->small)
+    if (p != &b->upper || run->count > b->part_most)
         return make_node(b, p, at, run);
     if (!mem_grow(&b->part, &b->cap_parts, b->nparts + 1, sizeof *b->part))
         return false;
@@ -318,14 +322,14 @@ static bool make_parts(Build *b, int threads)
 static void copy_node(const Wide *w, const Part *p, size_t k, size_t to, Below nodes, Below blocks)
 {
     if (w->lean) {
-        w->small[to] = ((const LeanNode *)p->nodes)[k];
-        w->small[to].nodes += nodes;
+        w->lean_nodes[to] = ((const LeanNode *)p->nodes)[k];
+        w->lean_nodes[to].nodes += nodes;
         return;
     }
-    w->fast[to] = ((const FastNode *)p->nodes)[k];
-    for (int c = 0; c < WIDTH && w->fast[to].present >> c & 1; c++)
-        if (!is_odd(w->fast[to].child[c]))
-            w->fast[to].child[c] += is_node(w->fast[to].child[c]) ? nodes : blocks;
+    w->fast_nodes[to] = ((const FastNode *)p->nodes)[k];
+    for (int c = 0; c < WIDTH && w->fast_nodes[to].present >> c & 1; c++)
+        if (!is_odd(w->fast_nodes[to].child[c]))
+            w->fast_nodes[to].child[c] += is_node(w->fast_nodes[to].child[c]) ? nodes : blocks;
 }
 
 /* The part's nodes after the first, and its blocks, come next; the first goes to its place. */
@@ -348,7 +352,7 @@ static void append_part(Wide *w, Part *p)
     p->blocks = NULL;
 }
 
-/* Moves nodes and blocks to memory of just their size, at begins of the cache's lines. */
+/* Moves nodes and blocks to memory of just their size, from the begin of a line of the cache on. */
 static bool settle(Build *b)
 {
     Wide *w = b->wide;
@@ -360,12 +364,12 @@ static bool settle(Build *b)
         blocks += b->part[i].nblocks;
     }
     bytes = nodes * node_size(w) + blocks * sizeof(TriangleBlock);
-    w->memory = mem_array(bytes + 63, 1);
+    w->memory = mem_array(bytes + MEM_LINE - 1, 1);
     if (!w->memory)
         return false;
-    at = (char *)w->memory + (64 - (uintptr_t)w->memory % 64) % 64;
-    w->small = w->lean ? (LeanNode *)(void *)at : NULL;
-    w->fast = w->lean ? NULL : (FastNode *)(void *)at;
+    at = mem_line(w->memory);
+    w->lean_nodes = w->lean ? (LeanNode *)(void *)at : NULL;
+    w->fast_nodes = w->lean ? NULL : (FastNode *)(void *)at;
     w->blocks = (TriangleBlock *)(void *)(at + nodes * node_size(w));
     w->nnodes = b->upper.nnodes ? 1 : 0;                /* a place for the first */
     append_part(w, &b->upper);
@@ -409,7 +413,7 @@ bool wide_build(Wide *w, const Geometry *g, int threads)
 
     memset(&b, 0, sizeof b);
     b.wide = w;
-    b.small = share > PART_LEAST ? share : PART_LEAST;
+    b.part_most = share > PART_LEAST ? share : PART_LEAST;
     b.refs = MEM_ARRAY(Ref, n);
     ok = b.refs != NULL;
     if (ok) {

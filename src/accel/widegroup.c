@@ -83,7 +83,6 @@ static void group_init(Group *g, const Ray *r)
 INLINE int group_enter(const Group *g, const Wide *w, bool lean, Below at, float near[WIDTH])
 {
     F8 enter = f8_all(0.0f), leave = f8_all(INFINITY);
-    uint32_t present = lean ? w->small[at].present : w->fast[at].present;
 
     for (int k = 0; k < 3; k++) {
         F8 a = f8_sub(node_planes(w, lean, at, k, g->order->near[k]), g->enter_o[k]);
@@ -93,7 +92,7 @@ INLINE int group_enter(const Group *g, const Wide *w, bool lean, Below at, float
     }
     f8_store(near, enter);
     return f8_at_most(enter, f8_mul(leave, f8_all(SLAB_WIDEN))) &
-           f8_at_most(enter, f8_all(g->tmax)) & (int)present;
+           f8_at_most(enter, f8_all(g->tmax)) & node_present(w, lean, at);
 }
 
 /* The rays that enter child k: slabs() of geometry/ray.h, a lane a ray. */
@@ -178,13 +177,8 @@ INLINE bool group_query(const Wide *w, bool lean, bool any, const Ray *r, Hit *h
         } else
             group_leaf(&g, w, lean, any, at);
     }
-    for (int k = 0; k < GROUP; k++) {
-        hit[k] = g.h[k].outer != NO_PRIM;
-        if (!any && hit[k])
-            h[k] = g.h[k];
-        else if (!any)
-            hit_none(&h[k], r[k].tmax);
-    }
+    for (int k = 0; k < GROUP; k++)
+        hit[k] = answer(&g.h[k], &r[k], any ? NULL : &h[k]);
     return true;
 }
 

@@ -30,11 +30,11 @@ static const uint32_t lanes[WIDTH] = { 0, 1, 2, 3, 4, 5, 6, 7 };
 /* What the children are: node_child in lanes. */
 INLINE I8 node_children(const Wide *w, bool lean, Below at)
 {
-    const LeanNode *n = &w->small[at];
+    const LeanNode *n = &w->lean_nodes[at];
     I8 rank, begin, count, leaf;
 
     if (!lean)
-        return i8_load(w->fast[at].child);
+        return i8_load(w->fast_nodes[at].child);
     rank = i8_sub(i8_load(lanes), i8_all(n->leaves));      /* less than 0: a leaf */
     begin = i8_load_u8(n->end);
     count = i8_sub(i8_load_u8(n->end + 1), begin);
@@ -57,7 +57,7 @@ INLINE void walk_begin(Walk *x, const Wide *w, const Ray *r, size_t number)
 /* Where things are that the next step reads, picked without a branch. */
 INLINE void fetch(const Wide *w, bool lean, Below at)
 {
-    uintptr_t node = lean ? (uintptr_t)&w->small[at] : (uintptr_t)&w->fast[at];
+    uintptr_t node = lean ? (uintptr_t)&w->lean_nodes[at] : (uintptr_t)&w->fast_nodes[at];
     uintptr_t leaf = !lean ? (uintptr_t)&w->blocks[leaf_place(at)]
                      : w->order ? (uintptr_t)&w->order[leaf_place(at)]
                                 : (uintptr_t)&w->base.geo->tri[leaf_place(at)];
@@ -98,6 +98,25 @@ INLINE void step_node(Walk *x, const Wide *w, bool lean, bool any)
     walk_on(x, w, lean, (least & met) | (*x->top & ~met));
 }
 
+/* The primitives of a leaf; then what waits. */
+INLINE void step_leaf(Walk *x, const Wide *w, bool lean, bool any)
+{
+    leaf_meets(w, lean, x->at, x->p.ray, &x->p, true, &x->h, any, NULL);
+    if (any && x->h.outer != NO_PRIM)
+        x->at = DONE;
+    else
+        walk_on(x, w, lean, *--x->top);
+}
+
+/* Into the queue of what it is at: written to both, counted in one, without a branch. */
+INLINE void queue_up(Queue *nodes, Queue *leaves, Walk *x)
+{
+    nodes->x[nodes->n] = x;
+    nodes->n += is_node(x->at);
+    leaves->x[leaves->n] = x;
+    leaves->n += !is_node(x->at);
+}
+
 /* h is NULL where any hit will do. */
 INLINE void fly_as(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, bool *hit, size_t n)
 {
@@ -108,9 +127,7 @@ INLINE void fly_as(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, boo
     nodes.n = leaves.n = 0;
     for (size_t k = 0; k < next; k++) {
         walk_begin(&walk[k], w, r, k);
-        nodes.x[nodes.n] = leaves.x[leaves.n] = &walk[k];
-        nodes.n += is_node(w->root);
-        leaves.n += !is_node(w->root);
+        queue_up(&nodes, &leaves, &walk[k]);
     }
     while (nodes.n + leaves.n) {
         size_t count = nodes.n;
@@ -118,36 +135,21 @@ INLINE void fly_as(const Wide *w, bool lean, bool any, const Ray *r, Hit *h, boo
         for (size_t k = 0; k < count; k++) {
             Walk *x = nodes.x[k];
             step_node(x, w, lean, any);
-            nodes.x[nodes.n] = x;
-            nodes.n += is_node(x->at);
-            leaves.x[leaves.n] = x;
-            leaves.n += !is_node(x->at);
+            queue_up(&nodes, &leaves, x);
         }
         count = leaves.n;
         leaves.n = 0;
         for (size_t k = 0; k < count; k++) {
             Walk *x = leaves.x[k];
-            if (x->at != DONE) {
-                leaf_meets(w, lean, x->at, x->p.ray, &x->p, true, &x->h, any, NULL);
-                if (any && x->h.outer != NO_PRIM)
-                    x->at = DONE;
-                else
-                    walk_on(x, w, lean, *--x->top);
-            }
+            if (x->at != DONE)
+                step_leaf(x, w, lean, any);
             if (x->at == DONE) {
-                hit[x->number] = x->h.outer != NO_PRIM;
-                if (!any && hit[x->number])
-                    h[x->number] = x->h;
-                else if (!any)
-                    hit_none(&h[x->number], x->p.ray->tmax);
+                hit[x->number] = answer(&x->h, x->p.ray, any ? NULL : &h[x->number]);
                 if (next == n)
                     continue;
                 walk_begin(x, w, r, next++);
             }
-            nodes.x[nodes.n] = x;
-            nodes.n += is_node(x->at);
-            leaves.x[leaves.n] = x;
-            leaves.n += !is_node(x->at);
+            queue_up(&nodes, &leaves, x);
         }
     }
 }

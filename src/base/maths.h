@@ -42,6 +42,13 @@ double md_log(double x);
 double md_atan2(double y, double x);
 double md_pow(double x, double y);
 
+/* The angle from the x axis to (x, y), counter-clockwise: in [0, 2 pi]. */
+static inline float m_azimuth(float y, float x)
+{
+    float phi = m_atan2(y, x);
+    return phi < 0.0f ? phi + 2.0f * PI_F : phi;
+}
+
 static inline bool is_finite(float x) { return x - x == 0.0f; }
 
 static inline float f_min(float a, float b) { return a < b ? a : b; }

@@ -22,6 +22,14 @@ void *mem_array(size_t n, size_t size);                 /* n * size bytes, zeroe
 bool mem_grow(void *array, size_t *cap, size_t need, size_t size);
 
 void mem_free(void *p);                                 /* NULL is allowed */
+
+/* Where in a block the first line of the processor's cache begins. What is to stand there takes
+ * MEM_LINE - 1 bytes more. */
+enum { MEM_LINE = 64 };
+static inline void *mem_line(void *block)
+{
+    return (char *)block + (MEM_LINE - (uintptr_t)block % MEM_LINE) % MEM_LINE;
+}
 char *mem_string(const char *s, size_t length);         /* a copy with a final 0 */
 
 /* Appends x to the array a of n elements with capacity cap: false when memory ran out. */

@@ -5,6 +5,8 @@
 #include "base/maths.h"
 #include "base/platform.h"
 
+#include <stddef.h>
+
 typedef struct { float x, y; } V2;
 typedef struct { float x, y, z FOURTH_FLOAT; } V3;
 typedef struct { float r, g, b FOURTH_FLOAT; } Rgb;     /* linear, Rec. 709 primaries */
@@ -26,6 +28,11 @@ INLINE V3 v_min(V3 a, V3 b) { return (V3){ f_min(a.x, b.x), f_min(a.y, b.y), f_m
 INLINE V3 v_max(V3 a, V3 b) { return (V3){ f_max(a.x, b.x), f_max(a.y, b.y), f_max(a.z, b.z) }; }
 INLINE float v_max3(V3 a) { return f_max(a.x, f_max(a.y, a.z)); }
 INLINE float v_axis(V3 a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
+
+/* A V3 is three floats in a row, so one can be picked by number without a branch. */
+typedef char v3_is_three_floats[offsetof(V3, z) == 2 * sizeof(float) ? 1 : -1];
+INLINE float v_pick(const V3 *a, int k) { return (&a->x)[k]; }
+
 INLINE bool v_finite(V3 a) { return is_finite(a.x) && is_finite(a.y) && is_finite(a.z); }
 
 /* In double: products of nearly parallel vectors keep their digits. */

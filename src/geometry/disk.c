@@ -53,10 +53,7 @@ float disk_cross(const Disk *d, const Ray *r)
     rr = x * x + y * y;
     if (rr > (double)d->radius * d->radius || rr < (double)d->inner * d->inner)
         return 0.0f;
-    if (d->phimax < 2.0f * PI_F) {
-        float phi = m_atan2((float)y, (float)x);
-        if ((phi < 0.0f ? phi + 2.0f * PI_F : phi) > d->phimax)
-            return 0.0f;
-    }
+    if (d->phimax < 2.0f * PI_F && m_azimuth((float)y, (float)x) > d->phimax)
+        return 0.0f;
     return tf;
 }

@@ -320,13 +320,8 @@ static bool knot(Mesh *m, uint32_t ntris)
     uint32_t nv = (uint32_t)d_max(3, floor(sqrt(ntris / 2.0 / 17))), nu = ntris / 2 / nv;
     uint32_t k = 0;
 
-    m->p = MEM_ARRAY(V3, (size_t)nu * nv);
-    m->n = MEM_ARRAY(V3, (size_t)nu * nv);
-    m->tri = MEM_ARRAY(Tri, 2 * (size_t)nu * nv);
-    if (!m->p || !m->n || !m->tri) {
-        mesh_clear(m);
+    if (!mesh_alloc(m, (size_t)nu * nv, 2 * (size_t)nu * nv, true, false))
         return false;
-    }
     m->nverts = nu * nv;
     for (uint32_t i = 0; i < nu; i++)
         for (uint32_t j = 0; j < nv; j++, k++) {

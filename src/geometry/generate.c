@@ -1,6 +1,7 @@
 /* generate.c -- meshes made by rule. See generate.h. */
 #include "geometry/generate.h"
 
+#include "base/d3.h"
 #include "base/random.h"
 
 #include <string.h>
@@ -12,18 +13,14 @@ static bool in_range(const char *mesh, const char *what, uint32_t v, uint32_t lo
                      (unsigned long)lo, (unsigned long)hi);
 }
 
-static bool begin(Mesh *m, uint64_t nverts, uint64_t ntris)
+static bool begin(Mesh *m, uint64_t nverts, uint64_t ntris, bool uv)
 {
     *m = (Mesh){ 0 };
     if (nverts > MESH_MAX || ntris > MESH_MAX)
         return err_usage("%.0f vertices and %.0f triangles are too many for one mesh",
                          (double)nverts, (double)ntris);
-    m->p = MEM_ARRAY(V3, (size_t)nverts);
-    m->tri = MEM_ARRAY(Tri, (size_t)ntris);
-    if (!m->p || !m->tri) {
-        mesh_clear(m);
+    if (!mesh_alloc(m, (size_t)nverts, (size_t)ntris, false, uv))
         return false;
-    }
     m->nverts = (uint32_t)nverts;
     return true;
 }
@@ -46,7 +43,7 @@ bool mesh_cube(Mesh *m)
 {
     static const unsigned char side[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 },
                                               { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
-    if (!begin(m, 8, 12))
+    if (!begin(m, 8, 12, false))
         return false;
     for (unsigned k = 0; k < 8; k++)
         m->p[k] = v3(k & 1 ? 0.5f : -0.5f, k & 2 ? 0.5f : -0.5f, k & 4 ? 0.5f : -0.5f);
@@ -60,13 +57,8 @@ bool mesh_box(Mesh *m, V3 a, V3 b)
 {
     static const unsigned char side[6][4] = { { 0, 2, 1, 3 }, { 4, 5, 6, 7 }, { 0, 1, 4, 5 },
                                               { 3, 2, 7, 6 }, { 2, 0, 6, 4 }, { 1, 3, 5, 7 } };
-    if (!begin(m, 24, 12))
+    if (!begin(m, 24, 12, true))
         return false;
-    m->uv = MEM_ARRAY(V2, 24);
-    if (!m->uv) {
-        mesh_clear(m);
-        return false;
-    }
     for (uint32_t k = 0; k < 24; k++) {
         unsigned c = side[k / 4][k % 4];
         m->p[k] = v3(c & 1 ? b.x : a.x, c & 2 ? b.y : a.y, c & 4 ? b.z : a.z);
@@ -82,7 +74,7 @@ bool mesh_room(Mesh *m)
     enum { N = 6, INNER = 3 };                  /* the corner that sees all others */
     static const V2 rim[N] = { { 0, 0 }, { 2, 0 }, { 2, 1 }, { 1, 1 }, { 1, 2 }, { 0, 2 } };
 
-    if (!begin(m, 2 * N, 20))
+    if (!begin(m, 2 * N, 20, false))
         return false;
     for (uint32_t k = 0; k < N; k++) {
         m->p[k] = v3(rim[k].x, rim[k].y, 0.0f);
@@ -103,13 +95,9 @@ bool mesh_grid(Mesh *m, uint32_t nx, uint32_t ny)
 
     if (!in_range("grid", "columns", nx, 1, MESH_MAX - 1) ||
         !in_range("grid", "rows", ny, 1, MESH_MAX - 1) ||
-        !begin(m, (nx + (uint64_t)1) * (ny + (uint64_t)1), 2 * (uint64_t)nx * ny))
+        !begin(m, (nx + (uint64_t)1) * (ny + (uint64_t)1), 2 * (uint64_t)nx * ny,
+               true))
         return false;
-    m->uv = MEM_ARRAY(V2, m->nverts);
-    if (!m->uv) {
-        mesh_clear(m);
-        return false;
-    }
     for (uint32_t j = 0, k = 0; j <= ny; j++)
         for (uint32_t i = 0; i <= nx; i++, k++) {
             m->uv[k] = (V2){ (float)((double)i / nx), (float)((double)j / ny) };
@@ -129,7 +117,7 @@ bool mesh_uvsphere(Mesh *m, uint32_t nu, uint32_t nv)
 
     if (!in_range("uvsphere", "meridians", nu, 3, MESH_MAX) ||
         !in_range("uvsphere", "parallels", nv, 2, MESH_MAX) ||
-        !begin(m, (uint64_t)nu * (nv - 1) + 2, 2 * (uint64_t)nu * (nv - 1)))
+        !begin(m, (uint64_t)nu * (nv - 1) + 2, 2 * (uint64_t)nu * (nv - 1), false))
         return false;
     south = nu * (nv - 1);
     north = south + 1;
@@ -161,7 +149,7 @@ bool mesh_torus(Mesh *m, uint32_t nu, uint32_t nv, float major, float minor)
     if (!(minor > 0.0f && minor < major && is_finite(major)))
         return err_usage("torus of radii %g and %g, major > minor > 0 was expected",
                          (double)major, (double)minor);
-    if (!begin(m, (uint64_t)nu * nv, 2 * (uint64_t)nu * nv))
+    if (!begin(m, (uint64_t)nu * nv, 2 * (uint64_t)nu * nv, false))
         return false;
     for (uint32_t i = 0, k = 0; i < nu; i++) {
         float x, y, s, c;
@@ -182,8 +170,6 @@ bool mesh_torus(Mesh *m, uint32_t nu, uint32_t nv, float major, float minor)
 /* ---- icosphere: the vertices of a cut face are numbered corners first, then the inner points of
  * the 30 edges, then those of the 20 faces, so that faces share what they have in common ---- */
 
-typedef struct { double x, y, z; } D3;
-
 typedef struct {
     uint32_t n;                 /* parts of an edge */
     D3  corner[12];             /* (0, +-1, +-g) and its cyclic turns, g the golden ratio */
@@ -196,12 +182,6 @@ static void swap_int(int *a, int *b)
     int t = *a;
     *a = *b;
     *b = t;
-}
-
-static double volume6(D3 a, D3 b, D3 c)
-{
-    return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
-           a.z * (b.x * c.y - b.y * c.x);
 }
 
 static void ico_init(Ico *s, uint32_t n)
@@ -218,11 +198,9 @@ static void ico_init(Ico *s, uint32_t n)
     }
     for (int a = 0; a < 12; a++)
         for (int b = 0; b <= a; b++) {
-            D3 p = s->corner[a], q = s->corner[b];
-            double d2 = (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) +
-                        (p.z - q.z) * (p.z - q.z);
+            D3 d = d3_mad(s->corner[b], -1.0, s->corner[a]);
             /* Edges are 2 long, the next distance is 2 g. */
-            s->edge[a][b] = s->edge[b][a] = a != b && d2 < 6.0 ? edges++ : -1;
+            s->edge[a][b] = s->edge[b][a] = a != b && d3_dot(d, d) < 6.0 ? edges++ : -1;
         }
     for (int a = 0; a < 12; a++)
         for (int b = 0; b < a; b++)
@@ -234,7 +212,7 @@ static void ico_init(Ico *s, uint32_t n)
                 f[0] = a;
                 f[1] = b;
                 f[2] = c;
-                if (volume6(s->corner[a], s->corner[b], s->corner[c]) < 0.0)
+                if (d3_dot(s->corner[a], d3_cross(s->corner[b], s->corner[c])) < 0.0)
                     swap_int(&f[1], &f[2]);
             }
     ASSERT(edges == 30 && faces == 20);
@@ -270,11 +248,8 @@ static uint32_t ico_vertex(const Ico *s, int f, uint32_t i, uint32_t j)
 static V3 ico_point(const Ico *s, int f, uint32_t i, uint32_t j)
 {
     D3 a = s->corner[s->face[f][0]], b = s->corner[s->face[f][1]], c = s->corner[s->face[f][2]];
-    double k = (double)(s->n - i - j), l;
-    D3 p = { a.x * k + b.x * i + c.x * j, a.y * k + b.y * i + c.y * j,
-             a.z * k + b.z * i + c.z * j };
-    l = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    return v3((float)(p.x / l), (float)(p.y / l), (float)(p.z / l));
+    D3 p = d3_mad(c, j, d3_mad(b, i, d3_scale(a, (double)(s->n - i - j))));
+    return d3_rounded(d3_unit(p));
 }
 
 bool mesh_icosphere(Mesh *m, uint32_t n)
@@ -282,7 +257,7 @@ bool mesh_icosphere(Mesh *m, uint32_t n)
     Ico s;
 
     if (!in_range("icosphere", "parts of an edge", n, 1, 10000) ||
-        !begin(m, 10 * (uint64_t)n * n + 2, 20 * (uint64_t)n * n))
+        !begin(m, 10 * (uint64_t)n * n + 2, 20 * (uint64_t)n * n, false))
         return false;
     ico_init(&s, n);
     for (int f = 0; f < 20; f++)
@@ -370,7 +345,7 @@ bool mesh_bumpy_of(Mesh *m, uint32_t ntris, uint64_t seed)
     cuts = (ntris - 20 * n * n + 1) / 2;
     if (!mesh_icosphere(&base, n))
         return false;
-    ok = begin(m, base.nverts + (uint64_t)cuts, ntris);
+    ok = begin(m, base.nverts + (uint64_t)cuts, ntris, false);
     if (ok) {
         memcpy(m->p, base.p, base.nverts * sizeof *m->p);
         memcpy(m->tri, base.tri, base.ntris * sizeof *m->tri);
@@ -397,7 +372,7 @@ bool mesh_soup(Mesh *m, uint32_t n, float side, uint64_t seed)
     if (!(side > 0.0f && is_finite(side)))
         return err_usage("soup of triangles of side %g, a number above 0 was expected",
                          (double)side);
-    if (!begin(m, 3 * (uint64_t)n, n))
+    if (!begin(m, 3 * (uint64_t)n, n, false))
         return false;
     for (uint32_t i = 0; i < n; i++) {
         V3 centre = random_point(&rng);

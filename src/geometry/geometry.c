@@ -1,4 +1,5 @@
-/* geometry.c -- the primitives of one space: adding, copying, arranging, bounds. See geometry.h. */
+/* geometry.c -- the primitives of one space: adding, copying, listing, looking up. See
+ * geometry.h. */
 #include "geometry/geometry.h"
 
 #include "base/mem.h"
@@ -103,13 +104,17 @@ static bool too_many(void)
                   (unsigned long)UINT32_MAX - 1);
 }
 
-static bool add_shape(Geometry *g, ShapeKind kind, ShapeTraits traits, uint32_t *index)
+/* The new shape; it has the index *index, which may be NULL. NULL: reported. */
+static Shape *add_shape(Geometry *g, ShapeKind kind, ShapeTraits traits, uint32_t *index)
 {
     Shape *s;
-    if (g->nshapes >= UINT32_MAX - 1 || g->nodd >= UINT32_MAX - 1 - g->nfaces - g->ntris)
-        return too_many();
+
+    if (g->nshapes >= UINT32_MAX - 1 || g->nodd >= UINT32_MAX - 1 - g->nfaces - g->ntris) {
+        too_many();
+        return NULL;
+    }
     if (!mem_grow(&g->shapes, &g->cap_shapes, g->nshapes + 1, sizeof *g->shapes))
-        return false;
+        return NULL;
     s = &g->shapes[g->nshapes];
     memset(s, 0, sizeof *s);
     s->kind = kind;
@@ -118,11 +123,11 @@ static bool add_shape(Geometry *g, ShapeKind kind, ShapeTraits traits, uint32_t 
     s->flip = traits.flip;
     if (kind != SHAPE_MESH &&
         !MEM_PUSH(g->odd, g->nodd, g->cap_odd, (uint32_t)g->nshapes))
-        return false;
+        return NULL;
     if (index)
         *index = (uint32_t)g->nshapes;
     g->nshapes++;
-    return true;
+    return s;
 }
 
 /* The first mesh gives its arrays away, so that one large mesh is never copied. */
@@ -156,15 +161,15 @@ static bool take_vertices(Geometry *g, Mesh *m)
 
 bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index = 0, first = (uint32_t)g->ntris, first_vertex = (uint32_t)g->nverts;
+    uint32_t first = (uint32_t)g->ntris, first_vertex = (uint32_t)g->nverts;
     Shape *s;
 
     if (m->nverts > UINT32_MAX - 1 - g->nverts ||
         m->ntris > UINT32_MAX - 1 - g->ntris - g->nodd - g->nfaces)
         return too_many();
-    if (!add_shape(g, SHAPE_MESH, traits, &index) || !take_vertices(g, m))
+    s = add_shape(g, SHAPE_MESH, traits, shape);
+    if (!s || !take_vertices(g, m))
         return false;
-    s = &g->shapes[index];
     s->first = first;
     s->count = m->ntris;
     s->first_vertex = first_vertex;
@@ -174,55 +179,49 @@ bool geometry_add_mesh(Geometry *g, Mesh *m, ShapeTraits traits, uint32_t *shape
     m->uv = NULL;
     mesh_clear(m);
     g->nmeshes++;
-    if (shape)
-        *shape = index;
     return true;
 }
 
 bool geometry_add_sphere(Geometry *g, const Sphere *s, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index = 0;
-    if (!add_shape(g, SHAPE_SPHERE, traits, &index))
-        return false;
-    g->shapes[index].as.sphere = *s;
-    if (shape)
-        *shape = index;
-    return true;
+    Shape *own = add_shape(g, SHAPE_SPHERE, traits, shape);
+
+    if (own)
+        own->as.sphere = *s;
+    return own != NULL;
 }
 
 bool geometry_add_disk(Geometry *g, const Disk *d, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index = 0;
-    if (!add_shape(g, SHAPE_DISK, traits, &index))
-        return false;
-    g->shapes[index].as.disk = *d;
-    if (shape)
-        *shape = index;
-    return true;
+    Shape *own = add_shape(g, SHAPE_DISK, traits, shape);
+
+    if (own)
+        own->as.disk = *d;
+    return own != NULL;
 }
 
 bool geometry_add_tessellation(Geometry *g, Tessellation *t, ShapeTraits traits, uint32_t *shape)
 {
-    uint32_t index = 0, faces = tessellation_faces(t);
+    uint32_t faces = tessellation_faces(t);
     Tessellation *own;
+    Shape *s;
 
     if (faces > UINT32_MAX - 2 - g->ntris - g->nodd - g->nfaces)
         return too_many();
     if (!mem_grow(&g->tessellated, &g->cap_tessellated, g->ntessellated + 1,
                   sizeof *g->tessellated) || !(own = MEM_NEW(Tessellation)))
         return false;
-    if (!add_shape(g, SHAPE_TESSELLATION, traits, &index)) {
+    s = add_shape(g, SHAPE_TESSELLATION, traits, shape);
+    if (!s) {
         mem_free(own);
         return false;
     }
     *own = *t;
     memset(t, 0, sizeof *t);
     own->index = (uint32_t)g->ntessellated;
-    g->tessellated[g->ntessellated++] = index;
+    g->tessellated[g->ntessellated++] = (uint32_t)(s - g->shapes);
     g->nfaces += faces;
-    g->shapes[index].as.tessellation = own;
-    if (shape)
-        *shape = index;
+    s->as.tessellation = own;
     return true;
 }
 
@@ -231,9 +230,9 @@ static bool add_instance(Geometry *g, const Instance *what, Motion *motion, uint
 {
     ShapeTraits traits = { 0, NO_LIGHT, false };
     Instance *in = MEM_NEW(Instance);
-    uint32_t index = 0;
+    Shape *s = in ? add_shape(g, SHAPE_INSTANCE, traits, shape) : NULL;
 
-    if (!in || !add_shape(g, SHAPE_INSTANCE, traits, &index)) {
+    if (!s) {
         mem_free(in);
         mem_free(motion);
         return false;
@@ -241,9 +240,7 @@ static bool add_instance(Geometry *g, const Instance *what, Motion *motion, uint
     *in = *what;
     in->motion = motion;
     in->bounds = box_empty();
-    g->shapes[index].as.instance = in;
-    if (shape)
-        *shape = index;
+    s->as.instance = in;
     return true;
 }
 
@@ -306,14 +303,10 @@ static bool list_faces(const Tessellation *t, Mesh *m)
     memset(m, 0, sizeof *m);
     if (tessellation_points(t) > UINT32_MAX - 1)
         return too_many();
+    if (!mesh_alloc(m, tessellation_points(t), tessellation_faces(t), false, false))
+        return false;
     m->nverts = (uint32_t)tessellation_points(t);
     m->ntris = tessellation_faces(t);
-    m->p = MEM_ARRAY(V3, m->nverts);
-    m->tri = MEM_ARRAY(Tri, m->ntris);
-    if (!m->p || !m->tri) {
-        mesh_clear(m);
-        return false;
-    }
     for (uint32_t i = 0; i < m->ntris; i++) {
         GridPoint at[3];
         tessellation_places(t, i, at);
@@ -370,100 +363,7 @@ bool geometry_list(Geometry *g)
     return geometry_finish(g);
 }
 
-/* ---- arranging ---- */
-
-static bool remember_places(Shape *s, const uint32_t *order)
-{
-    uint32_t *now = MEM_ARRAY(uint32_t, s->count), *place = MEM_ARRAY(uint32_t, s->count);
-
-    if (!now || !place) {
-        mem_free(now);
-        mem_free(place);
-        return false;
-    }
-    for (uint32_t k = 0; k < s->count; k++)
-        now[order[k]] = k;
-    for (uint32_t k = 0; k < s->count; k++)
-        place[k] = now[s->place ? s->place[k] : k];
-    mem_free(now);
-    mem_free(s->place);
-    s->place = place;
-    return true;
-}
-
-/* Vertices of a mesh by first use: where each goes, counted from the mesh's first; *n: how many
- * there are up to the last that is used. NULL: memory ran out. */
-static uint32_t *vertex_places(const Geometry *g, const Shape *s, const uint32_t *order,
-                               uint32_t *n)
-{
-    uint32_t *place, next = 0;
-
-    *n = 0;
-    for (uint32_t i = s->first; i < s->first + s->count; i++)
-        for (int c = 0; c < 3; c++)
-            if (g->tri[i].v[c] - s->first_vertex >= *n)
-                *n = g->tri[i].v[c] - s->first_vertex + 1;
-    place = MEM_ARRAY(uint32_t, *n);
-    if (!place)
-        return NULL;
-    memset(place, 0xFF, *n * sizeof *place);
-    for (uint32_t k = 0; k < s->count; k++)
-        for (int c = 0; c < 3; c++) {
-            uint32_t v = g->tri[s->first + order[k]].v[c] - s->first_vertex;
-            if (place[v] == UINT32_MAX)
-                place[v] = next++;
-        }
-    for (uint32_t v = 0; v < *n; v++)
-        if (place[v] == UINT32_MAX)
-            place[v] = next++;
-    return place;
-}
-
-/* Moves n things of a vertex each to their places; room holds as many. */
-static void move_points(V3 *p, uint32_t n, const uint32_t *place, V3 *room)
-{
-    if (!p)
-        return;
-    memcpy(room, p, n * sizeof *p);
-    for (uint32_t v = 0; v < n; v++)
-        p[place[v]] = room[v];
-}
-
-static void move_uv(V2 *p, uint32_t n, const uint32_t *place, V2 *room)
-{
-    if (!p)
-        return;
-    memcpy(room, p, n * sizeof *p);
-    for (uint32_t v = 0; v < n; v++)
-        p[place[v]] = room[v];
-}
-
-bool geometry_arrange(Geometry *g, size_t shape, const uint32_t *order)
-{
-    typedef union { Tri tri; V3 p; V2 uv; } Room;       /* of one triangle, or of one vertex */
-    Shape *s = &g->shapes[shape];
-    uint32_t n, *place = vertex_places(g, s, order, &n);
-    Room *room = place ? MEM_ARRAY(Room, n > s->count ? n : s->count) : NULL;
-    Tri *old;
-
-    if (!room || (s->light != NO_LIGHT && !remember_places(s, order))) {
-        mem_free(room);
-        mem_free(place);
-        return false;
-    }
-    old = &room->tri;
-    memcpy(old, g->tri + s->first, s->count * sizeof *old);
-    for (uint32_t k = 0; k < s->count; k++)
-        for (int c = 0; c < 3; c++)
-            g->tri[s->first + k].v[c] = place[old[order[k]].v[c] - s->first_vertex] +
-                                        s->first_vertex;
-    move_points(g->p + s->first_vertex, n, place, &room->p);
-    move_points(s->n, n, place, &room->p);
-    move_uv(s->uv, n, place, &room->uv);
-    mem_free(room);
-    mem_free(place);
-    return true;
-}
+/* ---- looking up ---- */
 
 /* The tessellation that a face belongs to. */
 static const Shape *shape_of_face(const Geometry *g, uint32_t face)

@@ -322,39 +322,46 @@ static bool add_normals(Mesh *m, const Implicit *f, double h)
     return m->n != NULL;
 }
 
-bool implicit_mesh(Mesh *m, const Implicit *f, uint32_t ntris)
+/* With the finest lattice that gives no more than ntris triangles; its cubes have the side h. The
+ * number goes with the square of the lattice: two rounds come near, then step by step. */
+static bool march_to(Mesh *m, const Implicit *f, uint32_t ntris, double *h)
 {
     uint32_t cubes = 16;
-    double h;
-    bool ok;
 
-    *m = (Mesh){ 0 };
-    if (ntris < IMPLICIT_LEAST || ntris > 2000000000)
-        return err_usage("a body of %lu triangles, %d to 2000000000 were expected",
-                         (unsigned long)ntris, IMPLICIT_LEAST);
-    if (!march(m, f, cubes, &h))
+    if (!march(m, f, cubes, h))
         return false;
-    /* The number goes with the square of the lattice: two rounds come near, then step by step. */
     for (int round = 0; round < 2; round++) {
         uint32_t next = (uint32_t)(cubes * sqrt((double)ntris / (m->ntris + 1.0)));
         if (next == cubes || next < 4)
             break;
         cubes = next;
         mesh_clear(m);
-        if (!march(m, f, cubes, &h))
+        if (!march(m, f, cubes, h))
             return false;
     }
-    for (; m->ntris > ntris && cubes > 4; ) {
-        cubes--;
+    while (m->ntris > ntris && cubes > 4) {
         mesh_clear(m);
-        if (!march(m, f, cubes, &h))
+        if (!march(m, f, --cubes, h))
             return false;
     }
+    return true;
+}
+
+bool implicit_mesh(Mesh *m, const Implicit *f, uint32_t ntris)
+{
+    double h;
+    bool ok = true;
+
+    *m = (Mesh){ 0 };
+    if (ntris < IMPLICIT_LEAST || ntris > 2000000000)
+        return err_usage("a body of %lu triangles, %d to 2000000000 were expected",
+                         (unsigned long)ntris, IMPLICIT_LEAST);
+    if (!march_to(m, f, ntris, &h))
+        return false;
     if (m->ntris == 0 || m->ntris > ntris) {
         mesh_clear(m);
         return err_usage("the body cannot be made of %lu triangles", (unsigned long)ntris);
     }
-    ok = true;
     while (ok && m->ntris + 1 < ntris) {                        /* a round can cut each once */
         uint32_t cuts = (ntris - m->ntris) / 2;
         ok = cut(m, f, h, cuts < m->ntris ? cuts : m->ntris);

@@ -11,14 +11,13 @@
  *             ring: checked for the first mesh, and kept by each step. */
 #include "geometry/loop.h"
 
-#include "base/maths.h"
+#include "base/d3.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define NONE 0xFFFFFFFFu
 
-typedef struct { double x, y, z; } D3;
 typedef struct { uint32_t lo, hi, half; } Key;
 typedef struct {
     const Mesh *m;              /* borrowed */
@@ -133,13 +132,6 @@ static LoopResult topology_init(Topology *t, const Mesh *m)
 
 /* ---- sums over the neighbours of a vertex ---- */
 
-static D3 d3(V3 a) { return (D3){ a.x, a.y, a.z }; }
-static D3 plus(D3 a, double s, D3 b)
-{
-    return (D3){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
-}
-static V3 rounded(D3 a) { return v3((float)a.x, (float)a.y, (float)a.z); }
-
 static bool at_boundary(const Topology *t, uint32_t v) { return t->twin[t->start[v]] == NONE; }
 
 /* How many neighbours; at a boundary there is one more than there are triangles. */
@@ -153,7 +145,7 @@ static uint32_t valence(const Topology *t, uint32_t v)
     return h == NONE ? n + 1 : n;
 }
 
-/* Calls of `use` with each neighbour, counter-clockwise, numbered from 0. */
+/* The sum of the neighbours, two tangents that they span, and how many they are: n. */
 typedef struct { D3 sum, s, t; uint32_t n; bool boundary; } Ring;
 
 /* The tangent across a boundary, weight of neighbour k of n; the vertex itself has *own.
@@ -182,21 +174,22 @@ static double across(uint32_t k, uint32_t n, double *own)
     return (2 - 2 * md_cos(angle)) * md_sin(k * angle);
 }
 
-/* Adds neighbour k: to the plain sum (a boundary: only its two ends), and to the two tangents. */
+/* Adds neighbour k, counter-clockwise: to the plain sum (a boundary: only its two ends), and to the
+ * two tangents. */
 static void ring_add(Ring *r, uint32_t k, D3 p)
 {
     double a = 2 * PI * k / r->n, own;
     if (!r->boundary) {
-        r->sum = plus(r->sum, 1, p);
-        r->s = plus(r->s, md_cos(a), p);
-        r->t = plus(r->t, md_sin(a), p);
+        r->sum = d3_mad(p, 1, r->sum);
+        r->s = d3_mad(p, md_cos(a), r->s);
+        r->t = d3_mad(p, md_sin(a), r->t);
         return;
     }
     if (k == 0 || k == r->n - 1) {
-        r->sum = plus(r->sum, 1, p);
-        r->s = plus(r->s, k == 0 ? 1 : -1, p);
+        r->sum = d3_mad(p, 1, r->sum);
+        r->s = d3_mad(p, k == 0 ? 1 : -1, r->s);
     }
-    r->t = plus(r->t, across(k, r->n, &own), p);
+    r->t = d3_mad(p, across(k, r->n, &own), r->t);
 }
 
 static Ring ring_of(const Topology *t, uint32_t v)
@@ -206,14 +199,14 @@ static Ring ring_of(const Topology *t, uint32_t v)
     double own = 0;
 
     do {
-        ring_add(&r, k++, d3(t->m->p[to(t->m, h)]));
+        ring_add(&r, k++, d3_of(t->m->p[to(t->m, h)]));
         last = h;
         h = around(t, h);
     } while (h != NONE && h != t->start[v]);
     if (r.boundary) {
-        ring_add(&r, k, d3(t->m->p[from(t->m, prev_of(last))]));
+        ring_add(&r, k, d3_of(t->m->p[from(t->m, prev_of(last))]));
         across(0, r.n, &own);
-        r.t = plus(r.t, own, d3(t->m->p[v]));
+        r.t = d3_mad(d3_of(t->m->p[v]), own, r.t);
     }
     return r;
 }
@@ -224,8 +217,7 @@ static double beta(uint32_t n) { return n == 3 ? 3.0 / 16 : 3.0 / (8.0 * n); }
 static V3 blend(V3 p, const Ring *r, double w)
 {
     double k = r->boundary ? 2 : r->n;
-    D3 zero = { 0, 0, 0 };
-    return rounded(plus(plus(zero, 1 - k * w, d3(p)), w, r->sum));
+    return d3_rounded(d3_mad(r->sum, w, d3_scale(d3_of(p), 1 - k * w)));
 }
 
 /* ---- one step ---- */
@@ -233,14 +225,14 @@ static V3 blend(V3 p, const Ring *r, double w)
 static V3 edge_point(const Topology *t, uint32_t h)
 {
     const Mesh *m = t->m;
-    D3 zero = { 0, 0, 0 }, a = d3(m->p[from(m, h)]), b = d3(m->p[to(m, h)]);
+    D3 a = d3_of(m->p[from(m, h)]), b = d3_of(m->p[to(m, h)]);
     uint32_t o = t->twin[h];
 
     if (o == NONE)
-        return rounded(plus(plus(zero, 0.5, a), 0.5, b));
-    a = plus(plus(zero, 0.375, a), 0.375, b);
-    a = plus(a, 0.125, d3(m->p[from(m, prev_of(h))]));
-    return rounded(plus(a, 0.125, d3(m->p[from(m, prev_of(o))])));
+        return d3_rounded(d3_mad(b, 0.5, d3_scale(a, 0.5)));
+    a = d3_mad(b, 0.375, d3_scale(a, 0.375));
+    a = d3_mad(d3_of(m->p[from(m, prev_of(h))]), 0.125, a);
+    return d3_rounded(d3_mad(d3_of(m->p[from(m, prev_of(o))]), 0.125, a));
 }
 
 static void split(const Topology *t, Mesh *fine)
@@ -275,18 +267,14 @@ static LoopResult refine(Mesh *m)
 
     memset(&fine, 0, sizeof fine);
     if (result == LOOP_DONE) {
-        fine.nverts = m->nverts + t.nedges;
-        fine.ntris = 4 * m->ntris;
-        fine.p = MEM_ARRAY(V3, fine.nverts);
-        fine.tri = MEM_ARRAY(Tri, fine.ntris);
-        if (fine.p && fine.tri) {
+        if (mesh_alloc(&fine, m->nverts + (size_t)t.nedges, 4 * (size_t)m->ntris, false, false)) {
+            fine.nverts = m->nverts + t.nedges;
+            fine.ntris = 4 * m->ntris;
             split(&t, &fine);
             mesh_clear(m);
             *m = fine;
-        } else {
-            mesh_clear(&fine);
+        } else
             result = LOOP_NO_MEMORY;
-        }
     }
     topology_clear(&t);
     return result;
@@ -296,11 +284,8 @@ static LoopResult refine(Mesh *m)
 
 static V3 normal_of(const Ring *r)
 {
-    D3 s = r->s, t = r->t;
-    double x = s.y * t.z - s.z * t.y, y = s.z * t.x - s.x * t.z, z = s.x * t.y - s.y * t.x;
-    double len = sqrt(x * x + y * y + z * z);
-    return len > 0 && len - len == 0 ? v3((float)(x / len), (float)(y / len), (float)(z / len))
-                                     : v_all(0.0f);
+    D3 n = d3_cross(r->s, r->t);
+    return d3_dot(n, n) < INFINITY ? d3_rounded(d3_unit(n)) : v_all(0.0f);
 }
 
 /* Limit weight of each neighbour: 1 / (n + 3/(8 beta)); at a boundary 1/6, that of cubic B-splines,

@@ -1,5 +1,19 @@
-/* mesh.c -- what all meshes share: release, and dropping triangles without area. */
+/* mesh.c -- what all meshes share: their memory, and dropping triangles without area. */
 #include "geometry/mesh.h"
+
+#include "base/d3.h"
+
+bool mesh_alloc(Mesh *m, size_t nverts, size_t ntris, bool normals, bool uv)
+{
+    m->p = MEM_ARRAY(V3, nverts);
+    m->n = normals ? MEM_ARRAY(V3, nverts) : NULL;
+    m->uv = uv ? MEM_ARRAY(V2, nverts) : NULL;
+    m->tri = MEM_ARRAY(Tri, ntris);
+    if (m->p && (m->n || !normals) && (m->uv || !uv) && m->tri)
+        return true;
+    mesh_clear(m);
+    return false;
+}
 
 void mesh_clear(Mesh *m)
 {
@@ -15,9 +29,8 @@ void mesh_clear(Mesh *m)
  * overflows, so that only triangles without area count as such. */
 static bool has_area(V3 a, V3 b, V3 c)
 {
-    double ux = (double)b.x - a.x, uy = (double)b.y - a.y, uz = (double)b.z - a.z;
-    double wx = (double)c.x - a.x, wy = (double)c.y - a.y, wz = (double)c.z - a.z;
-    return uy * wz != uz * wy || uz * wx != ux * wz || ux * wy != uy * wx;
+    D3 n = d3_normal(a, b, c);
+    return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
 }
 
 uint32_t mesh_drop_degenerate(Mesh *m)

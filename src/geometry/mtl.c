@@ -6,7 +6,7 @@
  * Keywords are taken in any case. Colours are RGB; those given as `spectral` or `xyz` are left out
  * with a warning. Tr is read as 1 - d, and gives way to d where a material has both, because
  * exporters disagree about Tr and agree about d. Options of maps are read over, but -bm. */
-#include "geometry/mesh.h"
+#include "geometry/meshfile.h"
 
 #include "base/number.h"
 #include "geometry/objtext.h"

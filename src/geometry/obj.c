@@ -10,7 +10,7 @@
  * An index of a position must exist; one of a normal or a texture coordinate that does not is left
  * out and counted, because many exporters are wrong there and the shape is not. Lines, points and
  * free-form surfaces are counted as not supported; groups (o, g, s) mean nothing to a renderer. */
-#include "geometry/mesh.h"
+#include "geometry/meshfile.h"
 
 #include "base/number.h"
 #include "base/random.h"

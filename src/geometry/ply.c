@@ -1,6 +1,6 @@
 /* ply.c -- PLY files: ascii, binary little- and big-endian.
  *
- * Source  G. Turk, "The PLY polygon file format", 1994; `tristrips` as in the Stanford archive.
+ * Source  [Turk94]; `tristrips` as in the Stanford archive.
  *
  * Elements may come in any order. Vertices are read first, wherever they stand, because polygons
  * are cut by the positions of their corners; what stands above them is read over and, if it holds
@@ -9,7 +9,7 @@
  * binary file first finds the number of triangles, and whether the file was cut.
  *
  * Places of faults: line and column in text; the byte in binary files. */
-#include "geometry/mesh.h"
+#include "geometry/meshfile.h"
 
 #include "geometry/plyhead.h"
 #include "geometry/polygon.h"
@@ -197,15 +197,21 @@ static bool end_record(Ply *r)
 
 static const PlyProperty *properties(const Ply *r) { return r->head.property + r->e->first; }
 
+/* The records of e come next. */
+static bool begin_element(Ply *r, const PlyElement *e)
+{
+    r->e = e;
+    r->record = 0;
+    return check_count(r);
+}
+
 /* Reads over element e. Sets *triangles to the most that its lists of indices can give. */
 static bool skip_element(Ply *r, const PlyElement *e, uint64_t *triangles)
 {
     const PlyProperty *p;
 
     *triangles = 0;
-    r->e = e;
-    r->record = 0;
-    if (!check_count(r))
+    if (!begin_element(r, e))
         return false;
     if (!e->n || (r->load && !e->has_list)) {
         r->t.at += e->count * e->least;
@@ -295,9 +301,7 @@ static bool read_vertices(Ply *r, const PlyElement *e)
     Mesh *m = r->mesh;
     size_t n = (size_t)e->count;
 
-    r->e = e;
-    r->record = 0;
-    if (!check_count(r))
+    if (!begin_element(r, e))
         return false;
     if (!n)
         return true;
@@ -371,9 +375,7 @@ static bool read_faces(Ply *r, const PlyElement *e)
 {
     const PlyProperty *p;
 
-    r->e = e;
-    r->record = 0;
-    if (!check_count(r))
+    if (!begin_element(r, e))
         return false;
     p = properties(r);
     for (; r->record < e->count; r->record++) {

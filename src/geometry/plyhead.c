@@ -1,7 +1,7 @@
 /* plyhead.c -- the header of a PLY file.
  *
- * Source  G. Turk, "The PLY polygon file format", 1994, and what came to be written since: the
- * names with a width (int8 ... float64), obj_info, and texture coordinates under four names.
+ * Source  [Turk94], and what came to be written since: the names with a width (int8 ... float64),
+ *         obj_info, and texture coordinates under four names.
  *
  * Any order of elements and properties is legal; what is not known is read over. */
 #include "geometry/plyhead.h"

@@ -1,7 +1,7 @@
 /* plyload.c -- values of binary PLY files out of their bytes, whatever the machine's byte order. */
 #include "geometry/plyhead.h"
 
-#include <string.h>
+#include "base/bits.h"
 
 /* A word of x + 1 bytes has its k-th byte, least significant first, at b[k ^ x] if big-endian; at
  * b[k ^ 0] else. Compilers make one load of it, and one swap. */
@@ -17,20 +17,7 @@ static uint32_t bits32(const unsigned char *b, int x)
            (uint32_t)b[3 ^ x] << 24;
 }
 
-static double real32(uint32_t bits)
-{
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return (double)v;
-}
-
-static double real64(uint32_t low, uint32_t high)
-{
-    uint64_t bits = (uint64_t)high << 32 | low;
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
+static double real64(uint32_t low, uint32_t high) { return double_of((uint64_t)high << 32 | low); }
 
 /* Two's complement without leaving the range of the types. */
 static double signed_of(uint32_t bits, uint32_t sign)
@@ -48,8 +35,8 @@ static double load_u32_le(const unsigned char *b) { return bits32(b, 0); }
 static double load_u32_be(const unsigned char *b) { return bits32(b, 3); }
 static double load_i32_le(const unsigned char *b) { return signed_of(bits32(b, 0), 0x80000000u); }
 static double load_i32_be(const unsigned char *b) { return signed_of(bits32(b, 3), 0x80000000u); }
-static double load_f32_le(const unsigned char *b) { return real32(bits32(b, 0)); }
-static double load_f32_be(const unsigned char *b) { return real32(bits32(b, 3)); }
+static double load_f32_le(const unsigned char *b) { return float_of(bits32(b, 0)); }
+static double load_f32_be(const unsigned char *b) { return float_of(bits32(b, 3)); }
 static double load_f64_le(const unsigned char *b) { return real64(bits32(b, 0), bits32(b + 4, 0)); }
 static double load_f64_be(const unsigned char *b) { return real64(bits32(b + 4, 3), bits32(b, 3)); }
 

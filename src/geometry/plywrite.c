@@ -1,5 +1,5 @@
-/* plywrite.c -- meshes as PLY files, binary little-endian. See mesh.h. */
-#include "geometry/mesh.h"
+/* plywrite.c -- meshes as PLY files, binary little-endian. See meshfile.h. */
+#include "geometry/meshfile.h"
 
 #include "base/bits.h"
 #include "base/file.h"

@@ -16,6 +16,8 @@
  * end. */
 #include "geometry/polygon.h"
 
+#include "base/d3.h"
+
 struct PolygonCorner {
     V3       p;
     uint32_t id;
@@ -104,21 +106,11 @@ bool polygon_corner(Polygon *g, uint32_t id, V3 p)
 
 /* ---- four corners ---- */
 
-typedef struct { double x, y, z; } D3;
-
-static D3 normal(V3 a, V3 b, V3 c)
-{
-    D3 u = { (double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z };
-    D3 w = { (double)c.x - a.x, (double)c.y - a.y, (double)c.z - a.z };
-    return (D3){ u.y * w.z - u.z * w.y, u.z * w.x - u.x * w.z, u.x * w.y - u.y * w.x };
-}
-
 /* True if the diagonal from a to c cuts the quadrangle into two halves that face one way. */
 static bool cuts_well(const PolygonCorner *a, const PolygonCorner *b, const PolygonCorner *c,
                       const PolygonCorner *d)
 {
-    D3 m = normal(a->p, b->p, c->p), n = normal(a->p, c->p, d->p);
-    return m.x * n.x + m.y * n.y + m.z * n.z > 0.0;
+    return d3_dot(d3_normal(a->p, b->p, c->p), d3_normal(a->p, c->p, d->p)) > 0.0;
 }
 
 static bool cut_quad(Polygon *g)
@@ -138,10 +130,8 @@ static bool project(PolygonCorner *c, unsigned n)
     D3 s = { 0.0, 0.0, 0.0 };
     double ax, ay, az;
 
-    for (unsigned k = 1; k + 1 < n; k++) {
-        D3 t = normal(c[0].p, c[k].p, c[k + 1].p);
-        s = (D3){ s.x + t.x, s.y + t.y, s.z + t.z };
-    }
+    for (unsigned k = 1; k + 1 < n; k++)
+        s = d3_mad(d3_normal(c[0].p, c[k].p, c[k + 1].p), 1.0, s);
     ax = fabs(s.x);
     ay = fabs(s.y);
     az = fabs(s.z);

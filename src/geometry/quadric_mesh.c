@@ -10,11 +10,10 @@
  *             Triangles that the axis would make flat are not made. */
 #include "geometry/quadric_mesh.h"
 
-#include "base/maths.h"
+#include "base/d3.h"
 
 enum { STEPS_AROUND = 128 };
 
-typedef struct { double x, y, z; } D3;
 typedef struct { D3 p, dv; double v; } Profile;         /* a point of the curve, its tangent */
 
 static uint32_t steps_around(double phimax, uint32_t a_turn)
@@ -114,12 +113,9 @@ static V3 turned(D3 p, double s, double c)
 
 static void add_row(Mesh *m, const Profile *c, bool last, double phimax, uint32_t nu)
 {
-    D3 n = normal_at(c, last);
-    double len = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+    D3 n = d3_unit(normal_at(c, last));
     bool full = phimax >= 360;
 
-    if (len > 0)
-        n = (D3){ n.x / len, n.y / len, n.z / len };
     for (uint32_t i = 0; i <= nu; i++) {
         double u = (double)i / nu, a = u * phimax * (PI / 180);
         double s = full && i == nu ? 0 : md_sin(a), co = full && i == nu ? 1 : md_cos(a);
@@ -151,12 +147,7 @@ static void join_rows(Mesh *m, uint32_t nu)
 
 static bool room(Mesh *m, size_t rows, size_t strips, uint32_t nu)
 {
-    size_t n = rows * (nu + (size_t)1);
-    m->p = MEM_ARRAY(V3, n);
-    m->n = MEM_ARRAY(V3, n);
-    m->uv = MEM_ARRAY(V2, n);
-    m->tri = MEM_ARRAY(Tri, 2 * strips * nu);
-    return m->p && m->n && m->uv && m->tri;
+    return mesh_alloc(m, rows * (nu + (size_t)1), 2 * strips * nu, true, true);
 }
 
 bool quadric_mesh(Mesh *m, const Quadric *q)

@@ -75,7 +75,6 @@ typedef struct {
  * processors wait. No branches either: they would be taken at random. */
 INLINE void probe_init(Probe *p, const Ray *r)
 {
-    const float *o = &r->o.x, *d = &r->d.x;     /* a V3 is three floats in a row, see triangle.h */
     float ax = fabsf(r->d.x), ay = fabsf(r->d.y), az = fabsf(r->d.z);
     float ix = 1.0f / r->d.x, iy = 1.0f / r->d.y, iz = 1.0f / r->d.z;
     int top = az > f_max(ax, ay);
@@ -85,12 +84,12 @@ INLINE void probe_init(Probe *p, const Ray *r)
     p->kz = ((ay > ax) & (top - 1)) | top << 1;
     p->kx = 9 >> 2 * p->kz & 3;         /* 1, 2, 0 */
     p->ky = 18 >> 2 * p->kz & 3;        /* 2, 0, 1 */
-    p->sz = (&p->inv.x)[p->kz];
-    p->sx = d[p->kx] * p->sz;
-    p->sy = d[p->ky] * p->sz;
-    p->ox = o[p->kx];
-    p->oy = o[p->ky];
-    p->oz = o[p->kz];
+    p->sz = v_pick(&p->inv, p->kz);
+    p->sx = v_pick(&r->d, p->kx) * p->sz;
+    p->sy = v_pick(&r->d, p->ky) * p->sz;
+    p->ox = v_pick(&r->o, p->kx);
+    p->oy = v_pick(&r->o, p->ky);
+    p->oz = v_pick(&r->o, p->kz);
 }
 
 /* The slab test. b holds lo.x lo.y lo.z - hi.x hi.y hi.z - (eight floats, two of them of no
@@ -126,6 +125,13 @@ INLINE bool slabs(const Probe *p, const float *b, float tmax, float *near, float
     *near = n;
     *far = f;
     return n <= f && n <= tmax;
+}
+
+/* The same for a box that is not stored that way. */
+INLINE bool box_slabs(const Probe *p, Box b, float tmax, float *near, float *far)
+{
+    float planes[8] = { b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0 };
+    return slabs(p, planes, tmax, near, far);
 }
 
 #endif

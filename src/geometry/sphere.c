@@ -40,12 +40,8 @@ static bool kept(const Sphere *s, const Ray *r, double t)
               (float)(r->o.y + t * r->d.y - s->centre.y),
               (float)(r->o.z + t * r->d.z - s->centre.z));
     V3 q = frame_in(&s->frame, p);
-    float phi;
 
-    if (q.z < s->zmin || q.z > s->zmax)
-        return false;
-    phi = m_atan2(q.y, q.x);
-    return (phi < 0.0f ? phi + 2.0f * PI_F : phi) <= s->phimax;
+    return q.z >= s->zmin && q.z <= s->zmax && m_azimuth(q.y, q.x) <= s->phimax;
 }
 
 float sphere_cross(const Sphere *s, const Ray *r)

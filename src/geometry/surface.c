@@ -161,11 +161,9 @@ static void tessellation_surface(const Shape *shape, const Hit *h, Surface *s)
 static void sphere_uv(const Sphere *sp, V3 d, Surface *s)
 {
     V3 local = frame_in(&sp->frame, d);
-    float phi = m_atan2(local.y, local.x), span = PI_F, ring, turn;
+    float span = PI_F, ring, turn;
 
-    if (phi < 0.0f)
-        phi += 2.0f * PI_F;
-    s->uv.x = phi / sp->phimax;
+    s->uv.x = m_azimuth(local.y, local.x) / sp->phimax;
     s->uv.y = m_acos(-local.z) * INV_PI;        /* 0 at the lower pole, 1 at the upper */
     if (!sp->whole) {
         float lo = m_acos(-sp->zmin / sp->radius), hi = m_acos(-sp->zmax / sp->radius);
@@ -204,8 +202,8 @@ static void disk_surface(const Disk *d, const Shape *shape, const Ray *r, const 
     s->err = v_scale(v_add(v_all(d->radius), v_abs(d->centre)), ROUNDINGS(6));
     s->ng = s->ns = shape->flip ? v_neg(d->frame.n) : d->frame.n;
     if (!shape->plain) {
-        float phi = m_atan2(y, x), rad = sqrtf(x * x + y * y);
-        s->uv.x = (phi < 0.0f ? phi + 2.0f * PI_F : phi) / d->phimax;
+        float rad = sqrtf(x * x + y * y);
+        s->uv.x = m_azimuth(y, x) / d->phimax;
         s->uv.y = d->radius > d->inner ? (d->radius - rad) / (d->radius - d->inner) : 0.0f;
         s->dpdu = v_scale(v_sub(v_scale(d->frame.t, x), v_scale(d->frame.s, y)), d->phimax);
         if (rad > 0.0f)

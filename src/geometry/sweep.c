@@ -189,11 +189,7 @@ static bool room(Mesh *m, uint64_t nverts, uint64_t ntris)
 {
     if (nverts > MESH_MAX)
         return err_usage("a curve of %.0f points is too long", (double)nverts);
-    m->p = MEM_ARRAY(V3, (size_t)nverts);
-    m->n = MEM_ARRAY(V3, (size_t)nverts);
-    m->uv = MEM_ARRAY(V2, (size_t)nverts);
-    m->tri = MEM_ARRAY(Tri, (size_t)ntris);
-    return m->p && m->n && m->uv && m->tri;
+    return mesh_alloc(m, (size_t)nverts, (size_t)ntris, true, true);
 }
 
 static void add_vertex(Mesh *m, V3 p, V3 n, float u, float v)

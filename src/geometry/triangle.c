@@ -1,6 +1,8 @@
 /* triangle.c -- the rare parts of the triangle test, and blocks of triangles. See triangle.h. */
 #include "geometry/triangle.h"
 
+#include "base/d3.h"
+
 #include <string.h>
 
 /* ---- triangles that reach from behind the origin to before it ----
@@ -17,12 +19,8 @@
  * ray_origin moves it farther. */
 static double plane_t(const Probe *r, V3 a, V3 b, V3 c)
 {
-    double ux = (double)b.x - a.x, uy = (double)b.y - a.y, uz = (double)b.z - a.z;
-    double vx = (double)c.x - a.x, vy = (double)c.y - a.y, vz = (double)c.z - a.z;
-    double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    V3 o = r->ray->o, d = r->ray->d;
-    double away = nx * ((double)a.x - o.x) + ny * ((double)a.y - o.y) + nz * ((double)a.z - o.z);
-    return away / (nx * d.x + ny * d.y + nz * d.z);
+    D3 n = d3_normal(a, b, c);
+    return d3_dot(n, d3_to(r->ray->o, a)) / d3_dot(n, d3_of(r->ray->d));
 }
 
 /* Where the line x = 0 crosses the edge from (x0, z0) to (x1, z1), if it does: *least becomes the

@@ -24,10 +24,6 @@
 
 #include <string.h>
 
-/* V3 is three floats in a row, so a component can be picked by number without a branch. */
-typedef char v3_is_three_floats[offsetof(V3, z) == 2 * sizeof(float) ? 1 : -1];
-INLINE float v_pick(const V3 *v, int k) { return (&v->x)[k]; }
-
 /* The box of a triangle, widened by what the edge functions can err across a large triangle seen
  * from near (relative to its extent) and by one step of the coordinates at least. */
 INLINE Box triangle_box(V3 a, V3 b, V3 c)

@@ -258,8 +258,7 @@ static bool beyond_seen(const PointLights *it, const PointLight *p, V2 u, LightS
 {
     const Scene *scene = it->scene;
 
-    s->p = s->err = s->n = v_all(0.0f);
-    s->dist = INFINITY;
+    sample_beyond(s);
     s->wi = p->p;
     s->L = p->L;
     if (it->jitter) {

@@ -50,7 +50,7 @@ static double triangle_area(const Geometry *g, uint32_t prim)
 
 static bool prepare_triangles(Area *l, const Shape *s)
 {
-    uint32_t n = s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
+    uint32_t n = lamp_triangles(s);
     float *weight = MEM_ARRAY(float, n);
     double sum = 0;
     bool ok;
@@ -132,11 +132,13 @@ static void point_of(Surface *sf, AreaPoint *s)
 
 static bool looks_at_uv(const Area *l) { return l->base.textured || l->mask; }
 
-static void point_on_triangle(const Area *l, uint32_t prim, float b1, float b2, V3 n, AreaPoint *s)
+void area_on_triangle(const Area *l, uint32_t i, float b1, float b2, AreaPoint *s)
 {
     const Geometry *g = geometry_of(l);
     const Shape *shape = shape_of(l);
+    uint32_t prim = lamp_triangle(shape, i);
 
+    s->uv = (V2){ 0, 0 };
     if (shape->n || looks_at_uv(l)) {           /* the file's normals say which side shines */
         Ray none = { .d = { 0, 0, 1 } };
         Hit h = { 0, b1, b2, NO_PRIM, prim };
@@ -146,13 +148,7 @@ static void point_on_triangle(const Area *l, uint32_t prim, float b1, float b2, 
         return;
     }
     geometry_point(g, prim, b1, b2, &s->p, &s->err);
-    s->n = shape->flip ? v_neg(n) : n;
-}
-
-void area_on_triangle(const Area *l, uint32_t i, float b1, float b2, AreaPoint *at)
-{
-    at->uv = (V2){ 0, 0 };
-    point_on_triangle(l, lamp_triangle(shape_of(l), i), b1, b2, l->normals[i], at);
+    s->n = shape->flip ? v_neg(l->normals[i]) : l->normals[i];
 }
 
 static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
@@ -163,7 +159,7 @@ static bool point_on_triangles(const Area *l, V2 u, AreaPoint *s)
     if (!table_sample(&l->triangles, u.x, &i, NULL, &u.x))
         return false;
     b = warp_triangle(u);
-    point_on_triangle(l, lamp_triangle(shape_of(l), i), b.y, b.z, l->normals[i], s);
+    area_on_triangle(l, (uint32_t)i, b.y, b.z, s);
     return true;
 }
 
@@ -179,8 +175,7 @@ static bool point_by_angle(const Area *l, V3 from, V2 u, AreaPoint *s, float *pd
         return true;
     if (!area_solid_sample(l, from, u, sum, &i, &b1, &b2))
         return false;
-    s->uv = (V2){ 0, 0 };
-    point_on_triangle(l, lamp_triangle(shape_of(l), i), b1, b2, l->normals[i], s);
+    area_on_triangle(l, i, b1, b2, s);
     *pdf_w = (float)(1.0 / all);
     return true;
 }

@@ -33,6 +33,12 @@ extern const LightKind light_diffuse;
 INLINE const Geometry *geometry_of(const Area *l) { return &l->scene->geometries[l->geometry]; }
 INLINE const Shape *shape_of(const Area *l) { return &geometry_of(l)->shapes[l->shape]; }
 
+/* How many triangles a mesh or tessellation has. */
+INLINE uint32_t lamp_triangles(const Shape *s)
+{
+    return s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
+}
+
 /* Triangle i of the lamp, whatever order an accelerator has put them into. */
 INLINE uint32_t lamp_triangle(const Shape *s, size_t i)
 {

@@ -46,7 +46,7 @@ void area_prepare_estimate(Area *l)
 
     l->axis = v_all(0.0f);
     if (s->kind == SHAPE_MESH || s->kind == SHAPE_TESSELLATION) {
-        n = s->kind == SHAPE_MESH ? s->count : tessellation_faces(s->as.tessellation);
+        n = lamp_triangles(s);
         b = box_of_lamp(l, s, n);
     } else if (s->kind == SHAPE_SPHERE)
         b = sphere_box(&s->as.sphere);
@@ -70,18 +70,17 @@ void area_prepare_estimate(Area *l)
  * at most 0.01 radius / d + 0.0142 (1 + radius / d), the latter for FLAT_COSINE. */
 static float shown_area(const Area *l, V3 to)
 {
-    float c, d = v_len(to), play;
+    float c, d = v_len(to);
 
     if (v_len2(l->axis) == 0.0f)
         return 0.25f * l->area;
     if (d <= l->radius)
         c = l->two_sided || v_dot(l->axis, to) < 0.05f * l->radius ? 1.0f : 0.0f;
     else {
-        play = 0.03f * (1.0f + l->radius / d);
         c = -v_dot(l->axis, to) / d;
         if (l->two_sided)
             c = fabsf(c);
-        c = c >= play ? c : c <= -play ? 0.0f : f_sqr(c + play) / (4.0f * play);
+        c = estimate_above(c, 0.03f * (1.0f + l->radius / d));
     }
     if (c > 0.0f && l->exponent > 0.0f)
         c = f_max(c * m_pow(f_min(c + l->radius / f_max(d, l->radius), 1.0f), l->exponent),

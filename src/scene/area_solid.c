@@ -10,29 +10,10 @@
  *             double, since the angles of a small triangle add up to little more than pi. */
 #include "scene/area.h"
 
+#include "base/d3.h"
+
 static const double LEAST = 1e-4, MOST = 6.0;
 static const double TRIANGLE_LEAST = 1e-10;     /* of one: edge on, it is never met */
-
-typedef struct { double x, y, z; } D3;
-
-static D3 d3_to(V3 from, V3 p)
-{
-    return (D3){ (double)p.x - from.x, (double)p.y - from.y, (double)p.z - from.z };
-}
-static double d3_dot(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static D3 d3_mad(D3 a, double s, D3 b)
-{
-    return (D3){ b.x + s * a.x, b.y + s * a.y, b.z + s * a.z };
-}
-static D3 d3_cross(D3 a, D3 b)
-{
-    return (D3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-static D3 d3_unit(D3 a)
-{
-    double l = sqrt(d3_dot(a, a));
-    return l > 0.0 ? (D3){ a.x / l, a.y / l, a.z / l } : (D3){ 0, 0, 0 };
-}
 
 /* The corners of triangle i as seen from a point, and the directions to them. */
 static void look(const Area *l, uint32_t i, V3 from, D3 to[3], D3 w[3])

@@ -36,11 +36,10 @@ static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
     const Distant *l = (const Distant *)base;
     (void)from;
     (void)u;
+    sample_beyond(s);
     s->wi = l->to_light;
     s->L = l->E;
     s->pdf_w = 1.0f;
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
     return true;
 }
 

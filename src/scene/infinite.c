@@ -113,8 +113,7 @@ static bool draw(const Infinite *l, bool bright, V2 u, V3 *wi, float *pdf, Rgb *
 static bool sample(const Light *base, V3 from, V2 u, LightSample *s)
 {
     (void)from;
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
+    sample_beyond(s);
     return draw((const Infinite *)base, false, u, &s->wi, &s->pdf_w, &s->L);
 }
 
@@ -136,8 +135,7 @@ static bool sample_beside(const Light *base, V3 from, V2 u, LightSample *s)
     const Infinite *l = (const Infinite *)base;
 
     (void)from;
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
+    sample_beyond(s);
     return draw(l, has_bright(l), u, &s->wi, &s->pdf_w, &s->L);
 }
 

@@ -25,10 +25,7 @@ void lamp_emit_pdf(const Light *l, const Surface *hit, V3 d, float *pdf_a, float
 Rgb  lamp_power(const Light *l);
 
 #define LAMP_OPTIONS                                                                               \
-    { .key = "I", .type = OPT_RGB, .num = 1, .help = "intensity where the picture is 1, W/sr" },   \
-    { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of I" },                          \
-    { .key = "power", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,                            \
-      .help = "W (by luminance); sets I if above 0" },                                             \
+    INTENSITY_OPTIONS("intensity where the picture is 1"),                                         \
     { .key = "filename", .type = OPT_STRING, .str = "", .also = "mapname",                         \
       .help = "picture (PFM, HDR, PNG, ...); none: white" }
 #define LAMP_FUNCTIONS                                                                             \

@@ -42,18 +42,15 @@ float light_estimate(const Light *l, V3 p, V3 n)
     return f_min(rgb_lum(s.L) * estimate_cosine(n, s.wi, 0.0f), ESTIMATE_MOST);
 }
 
-/* With s the sine of half the angle that the ball fills: the cosine at its centre where the ball is
- * all above the horizon, 0 where it is all below, a parabola in between. A thousandth more than the
- * ball hides the roundings. */
+/* The cosine at its centre, with the sine of half the angle that it fills. A thousandth more than
+ * the ball hides the roundings. */
 float estimate_cosine(V3 n, V3 to, float radius)
 {
-    float d = v_len(to), s, c;
+    float d = v_len(to);
 
     if (v_len2(n) == 0.0f || d <= radius)
         return 1.0f;
-    s = radius / d + 1e-3f;
-    c = v_dot(n, to) / d;
-    return c >= s ? c : c <= -s ? 0.0f : f_sqr(c + s) / (4.0f * s);
+    return estimate_above(v_dot(n, to) / d, radius / d + 1e-3f);
 }
 
 float power_factor(float wanted, Rgb own)

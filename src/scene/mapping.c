@@ -19,11 +19,10 @@ static V3 latlong_direction(V2 p, float *jacobian)
 
 static V2 latlong_place(V3 d, float *jacobian)
 {
-    float phi = m_atan2(d.y, d.x), sine = sqrtf(d.x * d.x + d.y * d.y);
+    float sine = sqrtf(d.x * d.x + d.y * d.y);
 
     *jacobian = latlong_jacobian(sine);
-    return (V2){ (phi < 0.0f ? phi + 2.0f * PI_F : phi) * (0.5f * INV_PI),
-                 m_atan2(sine, d.z) * INV_PI };
+    return (V2){ m_azimuth(d.y, d.x) * (0.5f * INV_PI), m_atan2(sine, d.z) * INV_PI };
 }
 
 /* ---- the folded square ---- */

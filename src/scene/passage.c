@@ -5,27 +5,23 @@
  * is made of the ray's own bits and of what it met: so the same ray is stopped or not whoever asks,
  * and neither accelerator nor thread matters. A pattern behind such a surface is still sampled
  * right, since rays differ. Of several surfaces at one place, one is asked. */
+#include "base/bits.h"
 #include "base/random.h"
 #include "scene/scene.h"
-
-#include <string.h>
 
 /* Surfaces that one ray may pass; the next one stops it. More leaves than a wood has. */
 enum { PASSED_MOST = 65536 };
 
-static uint64_t bits_of(float a, float b)
+static uint64_t bits_of_both(float a, float b)
 {
-    uint32_t w[2];
-    memcpy(&w[0], &a, sizeof a);
-    memcpy(&w[1], &b, sizeof b);
-    return (uint64_t)w[0] << 32 | w[1];
+    return (uint64_t)bits_of_float(a) << 32 | bits_of_float(b);
 }
 
 /* n: surfaces passed before; a sphere is met twice. */
 static float number_of(const Ray *r, const Hit *h, int n)
 {
-    uint64_t key = key_with(bits_of(r->o.x, r->o.y), bits_of(r->o.z, r->d.x));
-    key = key_with(key_with(key, bits_of(r->d.y, r->d.z)), (uint64_t)n);
+    uint64_t key = key_with(bits_of_both(r->o.x, r->o.y), bits_of_both(r->o.z, r->d.x));
+    key = key_with(key_with(key, bits_of_both(r->d.y, r->d.z)), (uint64_t)n);
     return unit_of((uint32_t)(key_with(key, (uint64_t)h->outer << 32 | h->prim) >> 32));
 }
 

@@ -12,14 +12,14 @@ typedef struct {
 static Light *make(const Making *m, const Opts *o)
 {
     Point *l = arena_take(&m->scene->arena, 1, sizeof *l);
-    float power;
+    float factor;
 
     if (!l)
         return NULL;
     l->p = xf_point(&m->to_world, opt_point(o, "from"));
     l->I = rgb_mul(opt_rgb(o, "I"), opt_rgb(o, "scale"));
-    power = power_factor(opt_float(o, "power"), rgb_scale(l->I, 4.0f * PI_F));
-    l->I = rgb_scale(l->I, power);
+    factor = power_factor(opt_float(o, "power"), rgb_scale(l->I, 4.0f * PI_F));
+    l->I = rgb_scale(l->I, factor);
     return &l->base;
 }
 
@@ -56,10 +56,7 @@ static void emit_pdf(const Light *l, const Surface *hit, V3 d, float *pdf_a, flo
 static Rgb power(const Light *l) { return rgb_scale(((const Point *)l)->I, 4.0f * PI_F); }
 
 static const OptDef options[] = {
-    { .key = "I", .type = OPT_RGB, .num = 1, .help = "radiant intensity, W/sr" },
-    { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of I" },
-    { .key = "power", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
-      .help = "W (by luminance); sets I if above 0" },
+    INTENSITY_OPTIONS("radiant intensity"),
     { .key = "from", .type = OPT_POINT, .num = 0, .help = "position" },
     { .key = NULL }
 };

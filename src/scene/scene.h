@@ -230,12 +230,24 @@ float light_estimate(const Light *l, V3 p, V3 n);
 /* A guess at the mean of max(0, n.w) over the directions w to a ball of this radius in the
  * direction and distance of `to`; above 0 unless the ball is surely below the horizon. n 0: 1. */
 float estimate_cosine(V3 n, V3 to, float radius);
+/* The cosine c, of what may lie `play` of it higher or lower: c where all of that is above the
+ * horizon, 0 where all is below, a parabola in between. */
+INLINE float estimate_above(float c, float play)
+{
+    return c >= play ? c : c <= -play ? 0.0f : f_sqr(c + play) / (4.0f * play);
+}
 
 /* The frame of a light that has directions of its own, without its scale. False: the transform is
  * no rotation (or mirror image), reported. what: "an infinite light's". */
 bool  frame_of_light(const Making *m, const char *what, Affine *to_world, Affine *to_light);
 /* From `from` to a light at the point p: all of *s but L. Gives the squared distance; 0: none. */
 float sample_at_point(V3 p, V3 from, LightSample *s);
+/* To a light beyond the scene: all of *s but wi, pdf_w and L. */
+INLINE void sample_beyond(LightSample *s)
+{
+    s->dist = INFINITY;
+    s->p = s->err = s->n = v_all(0.0f);
+}
 /* A particle of intensity I from the point p. */
 void  emit_from_point(V3 p, V3 d, Rgb I, float pdf_w, Emission *e);
 /* The sphere that a light beyond the scene shines on. */
@@ -254,6 +266,13 @@ Rgb   delta_radiance(const Light *l, V3 wi, const Surface *hit);
 
 /* The factor that gives a light the power (by luminance) wanted; 1 if wanted or its own is 0. */
 float power_factor(float wanted, Rgb own);
+
+/* The options of lights at a point whose intensity is I. */
+#define INTENSITY_OPTIONS(what)                                                                    \
+    { .key = "I", .type = OPT_RGB, .num = 1, .help = what ", W/sr" },                              \
+    { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of I" },                          \
+    { .key = "power", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,                            \
+      .help = "W (by luminance); sets I if above 0" }
 
 /* The sky of a bare mesh: soft light from above, a broad key light on one side. NULL: reported. */
 Light *light_studio(const Making *m);

@@ -273,8 +273,7 @@ static bool draw(const Sky *l, bool bright, V2 u, V3 *wi, float *pdf, Rgb *L)
 
 static bool sample_by(const Light *base, bool bright, V2 u, LightSample *s)
 {
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
+    sample_beyond(s);
     return draw((const Sky *)base, bright, u, &s->wi, &s->pdf_w, &s->L);
 }
 
@@ -350,8 +349,7 @@ static bool sun_sample(const Light *base, V3 from, V2 u, LightSample *s)
     Frame axis = frame_about(l->sun);
 
     (void)from;
-    s->dist = INFINITY;
-    s->p = s->err = s->n = v_all(0.0f);
+    sample_beyond(s);
     s->wi = v_unit(affine_vector(&l->to_world, frame_out(&axis, warp_cone(u, l->height))));
     s->pdf_w = warp_cone_pdf(l->height);
     s->L = l->sun_L;

@@ -115,10 +115,7 @@ static Rgb power(const Light *base)
 }
 
 static const OptDef options[] = {
-    { .key = "I", .type = OPT_RGB, .num = 1, .help = "radiant intensity on the axis, W/sr" },
-    { .key = "scale", .type = OPT_RGB, .num = 1, .help = "factor of I" },
-    { .key = "power", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
-      .help = "W (by luminance); sets I if above 0" },
+    INTENSITY_OPTIONS("radiant intensity on the axis"),
     { .key = "from", .type = OPT_POINT, .num = 0, .help = "position" },
     { .key = "to", .type = OPT_POINT, .str = "0 0 1", .help = "a point on the axis" },
     { .key = "coneangle", .type = OPT_FLOAT, .num = 30, .lo = 1e-3, .hi = 180,

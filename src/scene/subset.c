@@ -14,14 +14,10 @@ static bool copy_mesh(Mesh *m, const Geometry *g, const Shape *s)
             least = v < least ? v : least;
             most = v > most ? v : most;
         }
+    if (!mesh_alloc(m, most - least + (size_t)1, s->count, s->n != NULL, s->uv != NULL))
+        return false;
     m->nverts = most - least + 1;
     m->ntris = s->count;
-    m->p = MEM_ARRAY(V3, m->nverts);
-    m->tri = MEM_ARRAY(Tri, m->ntris);
-    m->n = s->n ? MEM_ARRAY(V3, m->nverts) : NULL;
-    m->uv = s->uv ? MEM_ARRAY(V2, m->nverts) : NULL;
-    if (!m->p || !m->tri || (s->n && !m->n) || (s->uv && !m->uv))
-        return false;
     memcpy(m->p, g->p + least, m->nverts * sizeof *m->p);
     if (s->n)
         memcpy(m->n, s->n + (least - s->first_vertex), m->nverts * sizeof *m->n);

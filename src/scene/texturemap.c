@@ -16,13 +16,6 @@ float texture_map_space_width(const TextureMap *m, const Surface *s)
     return s->width > 0.0f ? s->width * v_len(affine_vector(&m->to_texture, along)) : 0.0f;
 }
 
-/* In [0, 2 pi). */
-static float angle_about_z(V3 p)
-{
-    float phi = m_atan2(p.y, p.x);
-    return phi < 0.0f ? phi + 2.0f * PI_F : phi;
-}
-
 static float from_axis(V3 p) { return sqrtf(p.x * p.x + p.y * p.y); }
 
 V2 texture_map_st(const TextureMap *m, const Surface *s)
@@ -33,7 +26,7 @@ V2 texture_map_st(const TextureMap *m, const Surface *s)
         return (V2){ m->su * s->uv.x + m->du, m->sv * s->uv.y + m->dv };
     p = texture_map_space(m, s);
     if (m->kind == TEXTURE_MAP_SPHERICAL)
-        return (V2){ m_atan2(from_axis(p), p.z) * INV_PI, angle_about_z(p) * (0.5f * INV_PI) };
+        return (V2){ m_atan2(from_axis(p), p.z) * INV_PI, m_azimuth(p.y, p.x) * (0.5f * INV_PI) };
     if (m->kind == TEXTURE_MAP_CYLINDRICAL)
         return (V2){ (PI_F + m_atan2(p.y, p.x)) * (0.5f * INV_PI), p.z };
     return (V2){ v_dot(p, m->vs) + m->du, v_dot(p, m->vt) + m->dv };

@@ -104,25 +104,16 @@ static uint32_t number_vertices(const Mesh *m, const uint32_t *order, uint32_t n
     return count;
 }
 
-static bool part_init(Mesh *part, const Mesh *m, uint32_t nverts, uint32_t ntris)
-{
-    memset(part, 0, sizeof *part);
-    part->nverts = nverts;
-    part->ntris = ntris;
-    part->tri = MEM_ARRAY(Tri, ntris);
-    part->p = MEM_ARRAY(V3, nverts);
-    if (m->n)
-        part->n = MEM_ARRAY(V3, nverts);
-    if (m->uv)
-        part->uv = MEM_ARRAY(V2, nverts);
-    return part->tri && part->p && (!m->n || part->n) && (!m->uv || part->uv);
-}
-
 /* Copies n triangles and the vertices that they use. seen is all 0 before and after. */
 static bool part_of(const Mesh *m, const uint32_t *order, uint32_t n, uint32_t *seen, Mesh *part)
 {
-    if (!part_init(part, m, number_vertices(m, order, n, seen), n))
+    uint32_t nverts = number_vertices(m, order, n, seen);
+
+    memset(part, 0, sizeof *part);
+    if (!mesh_alloc(part, nverts, n, m->n != NULL, m->uv != NULL))
         return false;
+    part->nverts = nverts;
+    part->ntris = n;
     for (uint32_t i = 0; i < n; i++)
         for (int c = 0; c < 3; c++) {
             uint32_t v = m->tri[order[i]].v[c], k = seen[v] - 1;
@@ -152,11 +143,8 @@ static bool add_groups(Job *j)
     for (size_t k = 0; ok && k < ngroups; k++) {
         Mesh part;
         uint32_t n = first[k + 1] - first[k];
-        if (!part_of(m, order + first[k], n, seen, &part)) {
-            mesh_clear(&part);
-            ok = false;
-        } else
-            ok = shape_add_mesh(j->r, j->at, &part, j->look[k].material, j->look[k].area);
+        ok = part_of(m, order + first[k], n, seen, &part) &&
+             shape_add_mesh(j->r, j->at, &part, j->look[k].material, j->look[k].area);
     }
     mem_free(first);
     mem_free(order);

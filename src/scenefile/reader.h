@@ -4,6 +4,7 @@
 #ifndef SCENEFILE_READER_H
 #define SCENEFILE_READER_H
 
+#include "geometry/meshfile.h"
 #include "scenefile/lexer.h"
 #include "scenefile/names.h"
 #include "scenefile/scenefile.h"

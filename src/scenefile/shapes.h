@@ -19,8 +19,7 @@ bool shape_normals(const Params *ps, Mesh *m);                      /* "N", "uv"
 /* Adds the mesh if ok, with the material and light of the moment; takes it over in any case. */
 bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
 
-/* Of a shape without triangles: what it has of the state of the moment, and whether it is nowhere
- * (no material, no light). */
+/* Of a shape without triangles: what it has of the state of the moment. */
 bool shape_traits(Reader *r, ShapeTraits *traits);
 bool shape_not_finite(Place at, const char *what, size_t i);    /* false: reported, always */
 

@@ -198,11 +198,7 @@ static bool patches(Reader *r, Place at, const Mesh *m, const Param *p, Mesh *fi
     }
     if (!reader_generate(r, at, ntris))         /* bounds nverts too */
         return false;
-    fine->p = MEM_ARRAY(V3, (size_t)nverts);
-    fine->n = MEM_ARRAY(V3, (size_t)nverts);
-    fine->uv = MEM_ARRAY(V2, (size_t)nverts);
-    fine->tri = MEM_ARRAY(Tri, (size_t)ntris);
-    if (!fine->p || !fine->n || !fine->uv || !fine->tri)
+    if (!mesh_alloc(fine, (size_t)nverts, (size_t)ntris, true, true))
         return false;
     for (uint32_t i = 0; i < npatches; i++) {
         uint32_t n = patch_corners(m, p, i, v);

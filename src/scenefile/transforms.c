@@ -25,19 +25,19 @@ static bool set_one(Place at, Transform *which, const Transform *t)
     return true;
 }
 
-/* Sets the current transforms on which directives act just now. */
-static bool set(Reader *r, Place at, const Transform *t)
+/* Sets the current transforms, of those two that directives act on just now. */
+static bool set_active(Reader *r, Place at, const Transform *start, const Transform *end)
 {
-    return (!r->state.at_start || set_one(at, &r->state.ctm, t)) &&
-           (!r->state.at_end || set_one(at, &r->state.end, t));
+    return (!r->state.at_start || set_one(at, &r->state.ctm, start)) &&
+           (!r->state.at_end || set_one(at, &r->state.end, end));
 }
+
+static bool set(Reader *r, Place at, const Transform *t) { return set_active(r, at, t, t); }
 
 static bool append(Reader *r, Place at, const Transform *t)
 {
     Transform start = xf_then(&r->state.ctm, t), end = xf_then(&r->state.end, t);
-
-    return (!r->state.at_start || set_one(at, &r->state.ctm, &start)) &&
-           (!r->state.at_end || set_one(at, &r->state.end, &end));
+    return set_active(r, at, &start, &end);
 }
 
 bool do_identity(Reader *r, Place at)
