@@ -16,11 +16,16 @@ const char *const guide_names[GUIDE_KINDS] = {
 
 /* ---- plans ---- */
 
+static GuideKind kind_of(int map)
+{
+    return (GuideKind)(map < GUIDE_DISTANCE
+                           ? map : GUIDE_DISTANCE + (map - GUIDE_DISTANCE) % GUIDE_BOUNCE_MAPS);
+}
+
+/* Of those that have levels. */
 static bool is_world(int map)
 {
-    int k = map < GUIDE_DISTANCE ? map
-                                 : GUIDE_DISTANCE + (map - GUIDE_DISTANCE) % GUIDE_BOUNCE_MAPS;
-    return k == GUIDE_LIGHT || k == GUIDE_DIRECTION;
+    return kind_of(map) == GUIDE_LIGHT || kind_of(map) == GUIDE_DIRECTION;
 }
 
 static bool has_forks(const Scene *s)
@@ -161,15 +166,15 @@ static V2 guided_two(Sampler *s, Decision d)
 {
     Guide *g = s->state;
     V2 u = sample_2d(&g->inner, d);
+    int point = d == DECISION(DECIDE_LIGHT_POINT, g->depth) ? guide_map_here(g, GUIDE_POINT) : -1;
     float density;
 
     if (d == DECISION(DECIDE_LENS, 0) && guide_has(g, GUIDE_LENS)) {
         u = warped(g, GUIDE_LENS, u, &density);
         g->pending *= density;
     }
-    if (d == DECISION(DECIDE_LIGHT_POINT, g->depth) && g->here >= 0 &&
-        guide_has(g, guide_map(GUIDE_POINT, g->here)))
-        u = warped(g, guide_map(GUIDE_POINT, g->here), u, &g->point_density);
+    if (point >= 0)
+        u = warped(g, point, u, &g->point_density);
     return u;
 }
 
@@ -313,9 +318,7 @@ void guide_leaves(Guide *g, Rgb sum)
 
 static bool learns_from_connection(int map)
 {
-    int k = map < GUIDE_DISTANCE ? map
-                                 : GUIDE_DISTANCE + (map - GUIDE_DISTANCE) % GUIDE_BOUNCE_MAPS;
-    return k == GUIDE_LIGHT || k == GUIDE_POINT;
+    return kind_of(map) == GUIDE_LIGHT || kind_of(map) == GUIDE_POINT;
 }
 
 /* What the sample was worth: to the map, and, squared, to the second moments at all levels: of

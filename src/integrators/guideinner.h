@@ -39,4 +39,11 @@ struct Guide {
 
 INLINE bool guide_has(const Guide *g, int map) { return g->plan->shape[map].w != 0; }
 
+/* The vertex's own map of lights, points or directions; -1: there is none. */
+INLINE int guide_map_here(const Guide *g, GuideKind k)
+{
+    int map = g->here >= 0 ? guide_map(k, g->here) : -1;
+    return map >= 0 && guide_has(g, map) ? map : -1;
+}
+
 #endif

@@ -41,32 +41,22 @@ static const Light *light_by_map(const Guide *g, int map, float u)
     return s->lights[first + (k < n ? k : n - 1)];
 }
 
-static bool guides_lights(const Guide *g)
-{
-    return g->here >= 0 && guide_has(g, guide_map(GUIDE_LIGHT, g->here));
-}
-
 float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const Light *l)
 {
-    float own = ls->kind->pmf(ls, p, n, l), share;
-    int map;
+    float own = ls->kind->pmf(ls, p, n, l);
+    int map = guide_map_here(g, GUIDE_LIGHT);
 
-    if (!guides_lights(g))
-        return own;
-    map = guide_map(GUIDE_LIGHT, g->here);
-    share = g->share[map];
-    return share * pmf_by_map(g, map, l) + (1.0f - share) * own;
+    return map < 0 ? own : g->share[map] * pmf_by_map(g, map, l) + (1.0f - g->share[map]) * own;
 }
 
 const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, float *pmf)
 {
     const Light *l;
     float left, share;
-    int map;
+    int map = guide_map_here(g, GUIDE_LIGHT);
 
-    if (!guides_lights(g))
+    if (map < 0)
         return ls->kind->pick(ls, p, n, u, pmf, &left);
-    map = guide_map(GUIDE_LIGHT, g->here);
     share = g->share[map];
     if (u < share)
         l = light_by_map(g, map, f_min(u / share, ONE_MINUS_ULP));
@@ -89,8 +79,8 @@ static bool number_of(Guide *g, const Light *l, bool beside, V3 wi, int *map, V2
     bool asked = g->met == l && g->met_wi.x == wi.x && g->met_wi.y == wi.y &&
                  g->met_wi.z == wi.z;
 
-    *map = g->here >= 0 ? guide_map(GUIDE_POINT, g->here) : -1;
-    if (*map < 0 || !guide_has(g, *map) || !l->kind->numbers)
+    *map = guide_map_here(g, GUIDE_POINT);
+    if (*map < 0 || !l->kind->numbers)
         return false;
     if (!asked && !l->kind->numbers(l, beside, wi, &g->met_number))
         return false;

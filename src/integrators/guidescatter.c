@@ -37,25 +37,25 @@ static V3 direction_at(V2 place)
     return v3(st * cp, st * sp, ct);
 }
 
-static bool guides_direction(const Guide *g)
-{
-    return g->here >= 0 && guide_has(g, guide_map(GUIDE_DIRECTION, g->here)) &&
-           g->share[guide_map(GUIDE_DIRECTION, g->here)] > 0.0f;
-}
-
 /* (9.2) */
 static float both(const Guide *g, int map, float by_map, float own)
 {
     return g->share[map] * by_map + (1.0f - g->share[map]) * own;
 }
 
+/* The map by which a share of directions goes; -1: none does. */
+static int map_in_use(const Guide *g)
+{
+    int map = guide_map_here(g, GUIDE_DIRECTION);
+    return map >= 0 && g->share[map] > 0.0f ? map : -1;
+}
+
 float guide_pdf_w(const Guide *g, V3 wi, float own)
 {
-    int map;
+    int map = map_in_use(g);
 
-    if (!guides_direction(g))
+    if (map < 0)
         return own;
-    map = guide_map(GUIDE_DIRECTION, g->here);
     return both(g, map, map_pdf_w(g, map, wi, place_of(wi)), own);
 }
 
@@ -70,9 +70,9 @@ static float noted_pdf_w(Guide *g, int map, V3 wi)
 }
 
 /* A direction by the map, as if the vertex had made it. */
-static bool scatters_by_map(Guide *g, const Vertex *v, V2 u, BsdfSample *s, float *thinned)
+static bool scatters_by_map(Guide *g, int map, const Vertex *v, V2 u, BsdfSample *s,
+                            float *thinned)
 {
-    int map = guide_map(GUIDE_DIRECTION, g->here);
     float density, own;
     V3 local;
 
@@ -89,10 +89,9 @@ static bool scatters_by_map(Guide *g, const Vertex *v, V2 u, BsdfSample *s, floa
 }
 
 /* The same by the vertex, where a share goes by the map. */
-static bool scatters_beside_map(Guide *g, const Vertex *v, Tracer *t, int at, BsdfSample *s,
-                                float *thinned)
+static bool scatters_beside_map(Guide *g, int map, const Vertex *v, Tracer *t, int at,
+                                BsdfSample *s, float *thinned)
 {
-    int map = guide_map(GUIDE_DIRECTION, g->here);
     float own;
 
     if (!vertex_sample(v, t, at, s))
@@ -107,16 +106,25 @@ static bool scatters_beside_map(Guide *g, const Vertex *v, Tracer *t, int at, Bs
     return true;
 }
 
-static bool scatters_smoothly(Guide *g, const Vertex *v, Tracer *t, int at, BsdfSample *s,
-                              float *thinned)
+/* The same where no share does, but the map shall learn. */
+static bool scatters_unguided(Guide *g, int map, const Vertex *v, Tracer *t, int at, BsdfSample *s)
 {
-    int map = guide_map(GUIDE_DIRECTION, g->here);
-    bool by_map = sample_1d(&t->sampler, DECISION(DECIDE_GUIDE, at)) < g->share[map];
+    if (!vertex_sample(v, t, at, s))
+        return false;
+    if (map >= 0 && s->pdf_w > 0.0f)
+        noted_pdf_w(g, map, s->wi);
+    return true;
+}
 
-    if (!by_map)
-        return scatters_beside_map(g, v, t, at, s, thinned);
-    return scatters_by_map(g, v, sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, at)), s,
-                           thinned);
+static bool scatters_smoothly(Guide *g, int map, const Vertex *v, Tracer *t, int at,
+                              BsdfSample *s, float *thinned)
+{
+    if (map < 0 || g->share[map] == 0.0f)
+        return scatters_unguided(g, map, v, t, at, s);
+    if (sample_1d(&t->sampler, DECISION(DECIDE_GUIDE, at)) < g->share[map])
+        return scatters_by_map(g, map, v, sample_2d(&t->sampler, DECISION(DECIDE_DIRECTION, at)),
+                               s, thinned);
+    return scatters_beside_map(g, map, v, t, at, s, thinned);
 }
 
 /* ---- bifurcations ---- */
@@ -178,35 +186,17 @@ static void note_direction(Guide *g, int map, const BsdfSample *s)
     g->direction = map;
 }
 
-/* By its own chances, of which a map shall learn. */
-static bool scatters_unguided(Guide *g, const Vertex *v, Tracer *t, int at, BsdfSample *s)
-{
-    int map = g->here >= 0 ? guide_map(GUIDE_DIRECTION, g->here) : -1;
-
-    if (!vertex_sample(v, t, at, s))
-        return false;
-    if (map >= 0 && guide_has(g, map) && s->pdf_w > 0.0f)
-        noted_pdf_w(g, map, s->wi);
-    return true;
-}
-
 bool guide_scatters(Guide *g, const Vertex *v, Tracer *t, Beam *b, BsdfSample *s)
 {
     BsdfSample e[BSDF_DELTAS];
+    int map = guide_map_here(g, GUIDE_DIRECTION);
     float thinned = 1.0f;
-    int map = g->here >= 0 ? guide_map(GUIDE_DIRECTION, g->here) : -1;
-    bool goes_on;
 
-    if (forks(g, v, b->depth, e))
-        goes_on = scatters_by_fork(g, v, t, b->depth, e, s, &thinned);
-    else if (guides_direction(g))
-        goes_on = scatters_smoothly(g, v, t, b->depth, s, &thinned);
-    else
-        goes_on = scatters_unguided(g, v, t, b->depth, s);
-    if (!goes_on)
+    if (!(forks(g, v, b->depth, e) ? scatters_by_fork(g, v, t, b->depth, e, s, &thinned)
+                                   : scatters_smoothly(g, map, v, t, b->depth, s, &thinned)))
         return false;
     b->eta2 *= thinned;
-    if (map >= 0 && guide_has(g, map) && s->pdf_w > 0.0f)
+    if (map >= 0 && s->pdf_w > 0.0f)
         note_direction(g, map, s);
     return true;
 }
