@@ -167,9 +167,9 @@ static void erpt(void)
     compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4", 3, 8, 0.15);
 }
 
-/* Every way in every scenery, in small pictures, whose 256 samples a pixel are enough for the bound.
- * By detailed and iterated flow each path that a sample finds is moved about, so their trees are
- * small. */
+/* Every way in every scenery, in pictures so small that 256 samples a pixel are enough for the
+ * bound. By detailed and iterated flow each path that a sample finds is moved about, so their trees
+ * are small. */
 static void all(void)
 {
     static const struct { const char *way; uint32_t spp; } ways[] = {
