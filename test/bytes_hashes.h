@@ -18,7 +18,7 @@
     { "integrator/vcm", 0xB273D89D568D76CA },
     { "integrator/pssmlt", 0x51B46FB7F8BEE496 },
     { "integrator/mlt", 0xBB73550057E88587 },
-    { "integrator/erpt", 0x92704E20518F6787 },
+    { "integrator/erpt", 0xB3CDD3A0E74220EB },
     { "sampler/random", 0x2D148ACFC6214E26 },
     { "sampler/zerotwo", 0x3BCC4B8A05D71622 },
     { "sampler/stratified", 0x93C7D3AC21D43881 },

@@ -159,10 +159,10 @@ static void mlt(void)
 
 static void erpt(void)
 {
-    compare(&sceneries[0], "erpt:direct=no,length=30,mutations=2", 5, 8, 0.15);
-    compare(&sceneries[1], "erpt:length=30,mutations=2,lamps=no,square=9", 6, 24, 0.2);
-    compare(&sceneries[9], "erpt:length=30,mutations=2", 6, 8, 0.2);
-    compare(&sceneries[10], "erpt:direct=no,length=30,mutations=2,samples=whole", 3, 8, 0.2);
+    compare(&sceneries[0], "erpt:direct=no,length=30,mutations=2,lamps=yes", 5, 8, 0.15);
+    compare(&sceneries[1], "erpt:length=30,mutations=2,square=9", 6, 24, 0.2);
+    compare(&sceneries[9], "erpt:length=30,mutations=2,lamps=yes", 6, 8, 0.2);
+    compare(&sceneries[10], "erpt:direct=no,length=30,mutations=2,lamps=yes", 3, 8, 0.2);
     compare(&sceneries[2], "erpt:direct=no,flow=detailed,length=4", 3, 8, 0.15);
     compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4", 3, 8, 0.15);
 }
@@ -176,9 +176,11 @@ static void all(void)
         { "mlt:" SHORT ",direct=no,newpath=0.3", 2 },
         { "mlt:" SHORT ",newpath=0.1,lens=2,caustic=0.5,inner=0.5", 2 },
         { "mlt:" SHORT ",square=9,most=0.5", 2 },
-        { "erpt:direct=no,inner=1", 1 }, { "erpt:direct=no,choice=exclusive,length=30", 1 },
-        { "erpt:samples=whole,length=30,mutations=3,square=9", 1 },
-        { "erpt:flow=iterated,length=8", 1 }, { "erpt:direct=no,flow=detailed,length=8", 1 },
+        { "erpt:direct=no,inner=1,lamps=yes", 2 },
+        { "erpt:direct=no,choice=exclusive,length=30,lamps=yes", 2 },
+        { "erpt:lamps=yes,length=30,mutations=3,square=9", 1 },
+        { "erpt:flow=iterated,length=8,lamps=yes", 1 },
+        { "erpt:direct=no,flow=detailed,length=8,lamps=yes", 2 },
         { "mlt:" SHORT ",direct=no,newpath=0.3,lamps=no", 2 },
         { "erpt:length=30,mutations=3,lamps=no", 1 },
         { "erpt:direct=no,flow=detailed,length=4,lamps=no", 1 },

@@ -283,7 +283,7 @@ static void subsets_of(const Figure *f)
     X(glass, false, "swarm-glass", "maxdepth=7", 16, 4, 24, 0.025, IDLE(DIRECTION))            \
     X(fog, true, "swarm-fog", "maxdepth=1,lightsampler=uniform", 64, 36, 190, 0.08,            \
       IDLE(DIRECTION))                                                                         \
-    X(probe, false, "swarm-probe", "maxdepth=3", 16, 10, 20, 0.02, 0)                          \
+    X(probe, false, "swarm-probe", "maxdepth=3", 16, 12, 24, 0.02, 0)                          \
     X(hare, true, "hare", "maxdepth=4", 32, 16, 32, 0.05, 0)                                   \
     X(paperweight, true, "paperweight", "maxdepth=6", 64, 10, 56, 0.08, 0)                     \
     X(glasses, true, "glasses", "maxdepth=10", 16, 4, 16, 0.02, 0)                             \

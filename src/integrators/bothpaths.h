@@ -33,10 +33,6 @@ typedef struct {
     float  pixels;              /* of the whole picture */
 } BothPaths;
 
-#define BOTHPATHS_OPTION                                                       \
-    { .key = "lamps", .type = OPT_BOOL, .num = 1,                              \
-      .help = "paths begin at lamps, too, and are joined with those of the eye" }
-
 /* from_lamps: whether they begin there, too. False: reported. */
 bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps);
 void bothpaths_close(BothPaths *it);
