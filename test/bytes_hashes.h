@@ -16,7 +16,7 @@
     { "integrator/bdpt", 0x5C5F8DE02594771C },
     { "integrator/bpm", 0xCBADE04BA1503105 },
     { "integrator/vcm", 0xB273D89D568D76CA },
-    { "integrator/pssmlt", 0x51B46FB7F8BEE496 },
+    { "integrator/pssmlt", 0x47A7663FBDE9F7D3 },
     { "integrator/mlt", 0xBB73550057E88587 },
     { "integrator/erpt", 0xB3CDD3A0E74220EB },
     { "sampler/random", 0x2D148ACFC6214E26 },

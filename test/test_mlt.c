@@ -163,8 +163,8 @@ static void erpt(void)
     compare(&sceneries[1], "erpt:length=30,mutations=2,square=9", 6, 24, 0.2);
     compare(&sceneries[9], "erpt:length=30,mutations=2,lamps=yes", 6, 8, 0.2);
     compare(&sceneries[10], "erpt:direct=no,length=30,mutations=2,lamps=yes", 3, 8, 0.2);
-    compare(&sceneries[2], "erpt:direct=no,flow=detailed,length=4", 3, 8, 0.15);
-    compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4", 3, 8, 0.15);
+    compare(&sceneries[2], "erpt:direct=no,flow=detailed,length=4,lamps=yes", 3, 8, 0.15);
+    compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4,lamps=yes", 3, 8, 0.15);
 }
 
 /* Every way in every scenery, in pictures so small that 256 samples a pixel are enough for the

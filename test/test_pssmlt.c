@@ -334,6 +334,48 @@ static void windows(void)
     lab_clear(&l);
 }
 
+/* Luminances of a picture's SIDE x SIDE pixels. */
+enum { SIDE = 3 };
+
+static void add_pictures(Lab *l, const char *method, uint32_t spp, uint64_t seed,
+                         Stat pixel[SIDE * SIDE])
+{
+    memset(pixel, 0, SIDE * SIDE * sizeof *pixel);
+    for (uint64_t run = 0; run < 40; run++) {
+        RenderSettings s;
+        RenderReport report;
+        Film film;
+        Image im;
+        REQUIRE(image_init(&im, SIDE, SIDE), "memory");
+        picture_settings(l, &s, method, SIDE, SIDE, spp);
+        s.seed = seed + run;
+        picture_render(l, &s, &film, &report);
+        film_picture(&film, 0, &im);
+        for (int i = 0; i < SIDE * SIDE; i++)
+            stat_add_block(&pixel[i], rgb_lum(im.pixels[i]), 1, 0);
+        film_clear(&film);
+        image_clear(&im);
+    }
+}
+
+/* A single chain, whose large steps go to nine cells in turn, so that its past tells much of what
+ * would come next: it must not show. */
+static void few_cells(void)
+{
+    Stat chain[SIDE * SIDE], path[SIDE * SIDE];
+    char what[40];
+    Lab l;
+
+    any_scene(&l);
+    add_pictures(&l, "pssmlt:over=path,direct=0,chains=1,maxdepth=4,roulette=2", 4000, 700, chain);
+    add_pictures(&l, PATH, 4000, 800, path);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        snprintf(what, sizeof what, "pixel %d of nine", i);
+        stat_expect_same(&chain[i], &path[i], 0.12, what);
+    }
+    lab_clear(&l);
+}
+
 /* Pictures by length and by strategy add up to the whole, for any number of threads. */
 static void parts_of(Lab *l, const char *method)
 {
@@ -506,6 +548,7 @@ const TestCase test_pssmlt[] = {
     { "balance", balance, false },
     { "lamps", lamps, false },
     { "all_lamps", all_lamps, true },
+    { "few_cells", few_cells, false },
     { "windows", windows, false },
     { "parts", parts, false },
     { "parts_alone", parts_alone, false },

@@ -8,8 +8,8 @@
  *             min(1, I(y) T(y>x) / (I(x) T(x>y))), (7.13), and stays else, comes to each x in
  *             proportion to I(x). So the mean of f(x) b / I(x) along it is the picture, b being the
  *             integral of I.
- * Starts      Of n independent samples b is the mean brightness, and each chain begins at one of
- *             them, drawn in proportion to its brightness. Then the expectation of (that b) / I(x)
+ * Starts      Of n samples, independent or spread evenly, b is the mean brightness, and each chain
+ *             begins at one of them, drawn in proportion to its brightness. Then the expectation of (that b) / I(x)
  *             f(x) is the picture at every step, from the first on: none has to be thrown away.
  *             Starts are drawn at equal distances along the running sum of brightness, so they are
  *             spread as the samples are.
@@ -23,7 +23,7 @@
  *             and the sum has the right expectation whatever c is, for it is in the weights alone;
  *             c = b makes them those of [Kelemen02]. Without large steps p = 0 and a visit counts
  *             b / I.
- * b           Large steps are independent samples: their brightness goes on to refine b from pass
+ * b           Large steps are samples like those: their brightness goes on to refine b from pass
  *             to pass; c stays. What a pass adds is worked out with the b that came before it. That
  *             is why methods of chains are consistent: b and the visits of later passes depend on
  *             each other a little.
@@ -99,6 +99,11 @@ bool chains_load(Integrator *it, Loading *l);
 INLINE Chain *chains_at(const Chains *cs, size_t k)
 {
     return (Chain *)((char *)cs->chains + k * cs->kind.size);
+}
+
+INLINE size_t chains_index(const Chains *cs, const Chain *c)
+{
+    return (size_t)((const char *)c - (const char *)cs->chains) / cs->kind.size;
 }
 
 /* What a visit to a state counts, and a large proposal beside it. */

@@ -43,28 +43,61 @@ INLINE uint32_t slot_of(const PrimaryVector *v, uint64_t key)
     return s;
 }
 
+/* The proposal's number for a decision that it has not made so far. */
+INLINE PrimaryNumber proposed(const Primary *p, Decision d, uint64_t key)
+{
+    const PrimaryVector *now = &p->vector[p->now];
+    uint64_t bits = mix64(key ^ p->draw);
+    uint32_t old = p->fresh ? 0 : now->slots[slot_of(now, key)];
+    const PrimaryNumber *was;
+
+    if (!old)
+        return (PrimaryNumber){ key, { (uint32_t)(bits >> 40), (uint32_t)bits >> 8 } };
+    was = &now->numbers[old - 1];
+    if (d % DECIDE_KINDS == DECIDE_TECHNIQUE)
+        return *was;
+    return (PrimaryNumber){ key, { moved(p->kernel, was->u[0], (uint32_t)(bits >> 32)),
+                                   moved(p->kernel, was->u[1], (uint32_t)bits) } };
+}
+
+static void keep(PrimaryVector *v, uint32_t slot, const PrimaryNumber *x)
+{
+    if (v->n >= PRIMARY_MOST)
+        return;
+    v->numbers[v->n++] = *x;
+    v->slots[slot] = (uint16_t)v->n;
+}
+
 static PrimaryNumber number_of(Sampler *s, Decision d)
 {
     Primary *p = s->state;
     PrimaryVector *next = &p->vector[!p->now];
-    const PrimaryVector *now = &p->vector[p->now];
-    uint64_t key = draw64(s->key, d), bits = mix64(key ^ p->draw);
-    PrimaryNumber x = { key, { (uint32_t)(bits >> 40), (uint32_t)bits >> 8 } };
-    uint32_t slot, old = p->fresh ? 0 : now->slots[slot_of(now, key)];
+    uint64_t key = draw64(s->key, d);
+    uint32_t slot = slot_of(next, key);
+    PrimaryNumber x;
 
-    if (old && d % DECIDE_KINDS == DECIDE_TECHNIQUE)
-        x = now->numbers[old - 1];
-    else if (old) {
-        const PrimaryNumber *was = &now->numbers[old - 1];
-        x.u[0] = moved(p->kernel, was->u[0], (uint32_t)(bits >> 32));
-        x.u[1] = moved(p->kernel, was->u[1], (uint32_t)bits);
-    }
-    slot = slot_of(next, key);
-    if (!next->slots[slot] && next->n < PRIMARY_MOST) {
-        next->numbers[next->n++] = x;
-        next->slots[slot] = (uint16_t)next->n;
-    }
+    if (next->slots[slot])
+        return next->numbers[next->slots[slot] - 1];
+    x = proposed(p, d, key);
+    keep(next, slot, &x);
     return x;
+}
+
+/* Number u of piece k of n: each result has alike many. */
+static uint32_t in_piece(uint32_t k, uint32_t n, uint32_t u)
+{
+    return (uint32_t)(((uint64_t)k * ONE + u) / n);
+}
+
+void primary_settle(Sampler *s, Decision d, uint32_t x, uint32_t y, uint32_t nx, uint32_t ny)
+{
+    Primary *p = s->state;
+    PrimaryVector *next = &p->vector[!p->now];
+    PrimaryNumber u = proposed(p, d, draw64(s->key, d));
+
+    u.u[0] = in_piece(x, nx, u.u[0]);
+    u.u[1] = in_piece(y, ny, u.u[1]);
+    keep(next, slot_of(next, u.key), &u);
 }
 
 static float one(Sampler *s, Decision d) { return (float)number_of(s, d).u[0] * 0x1p-24f; }

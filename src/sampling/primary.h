@@ -15,6 +15,8 @@
  *             back exactly.
  *             DECIDE_TECHNIQUE does not move in small steps: among ways of making paths there is
  *             no near and far.
+ * Settled     A decision of a large step can be answered beforehand, by a number that makes many
+ *             proposals even: for this one alone it must be as random as any.
  * Pure        The proposal's numbers are functions of the present ones, of the proposal's key and
  *             the decision alone. A decision asked for twice gets the same answer. Those beyond
  *             PRIMARY_MOST are not kept but fresh in every proposal: symmetric too. */
@@ -63,5 +65,8 @@ bool primary_load(Primary *p, Loading *l);
 /* A sampler that gives the proposal's numbers; copies of it give the same. Its streams are those of
  * sampler_pixel and sampler_start. */
 Sampler primary_sampler(Primary *p);
+
+/* Answers a decision of a large proposal: its two numbers are within cell (x, y) of nx x ny. */
+void primary_settle(Sampler *s, Decision d, uint32_t x, uint32_t y, uint32_t nx, uint32_t ny);
 
 #endif
