@@ -9,8 +9,9 @@
  *             proportion to I(x). So the mean of f(x) b / I(x) along it is the picture, b being the
  *             integral of I.
  * Starts      Of n samples, independent or spread evenly, b is the mean brightness, and each chain
- *             begins at one of them, drawn in proportion to its brightness. Then the expectation of (that b) / I(x)
- *             f(x) is the picture at every step, from the first on: none has to be thrown away.
+ *             begins at one of them, drawn in proportion to its brightness. Then the expectation of
+ *             (that b) / I(x) f(x) is the picture at every step, from the first on: none has to be
+ *             thrown away.
  *             Starts are drawn at equal distances along the running sum of brightness, so they are
  *             spread as the samples are.
  * Visits      Both ends of a step count, the proposal a and the present state 1 - a: the mean
