@@ -11,7 +11,7 @@ work=${TMPDIR:-/tmp}/rushlight-bugs.$$
 mkdir "$work" || exit 1
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
-cp -R "$top/src" "$top/test" "$top/bench" "$work" || exit 1
+cp -R "$top/src" "$top/test" "$top/bench" "$top/scenes" "$work" || exit 1
 cd "$work" || exit 1
 
 build() {
