@@ -281,7 +281,7 @@ static void subsets_of(const Figure *f)
     X(caustic, true, "swarm-caustic", "maxdepth=4", 64, 25, 95, 0.08, IDLE(BIFURCATION))       \
     X(lights, false, "swarm-lights", "maxdepth=2,lightsampler=uniform", 64, 6, 18, 0.05, 0)    \
     X(glass, false, "swarm-glass", "maxdepth=7", 16, 4, 24, 0.025, IDLE(DIRECTION))            \
-    X(fog, true, "swarm-fog", "maxdepth=1,lightsampler=uniform", 64, 36, 190, 0.08,            \
+    X(fog, true, "swarm-fog", "maxdepth=1,lightsampler=uniform", 64, 38, 200, 0.08,            \
       IDLE(DIRECTION))                                                                         \
     X(probe, false, "swarm-probe", "maxdepth=3", 16, 12, 24, 0.02, 0)                          \
     X(hare, true, "hare", "maxdepth=4", 32, 16, 32, 0.05, 0)                                   \
