@@ -61,6 +61,17 @@ static void add_panes(Lab *l)
              lab_material(l, "thindielectric", ""));
 }
 
+/* A point in a ball of glass, between a floor and a wall: all light comes through the glass. */
+static void add_lantern(Lab *l)
+{
+    uint32_t matt = lab_material(l, "diffuse", "reflectance=0.4/0.5/0.6");
+
+    lab_quad(l, v3(-3, -3, 0), v3(6, 0, 0), v3(0, 6, 0), matt);
+    lab_quad(l, v3(-3, 2, 0), v3(6, 0, 0), v3(0, 0, 3), matt);
+    lab_sphere(l, v3(0.6f, 0, 1), 0.5f, lab_material(l, "dielectric", ""), false);
+    lab_light(l, "point", "from=0.5/0.1/1.1,I=9", NULL);
+}
+
 typedef struct {
     const char *name, *lamps[2];
     void (*add)(Lab *l);
@@ -90,10 +101,12 @@ static const Scenery sceneries[] = {
     { "media", { NULL, NULL }, add_tank, "perspective", "", "",
       { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 45, NULL },
     /* what comes through the glass is found from the lamps alone */
-    { "points behind glass", { "point", "spot" }, add_panes, "perspective",
+    { "a point behind glass", { "point", "infinite" }, add_panes, "perspective",
       "lensradius=0.1,focaldistance=5", "", { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 45, "bdpt" },
     { "the sun behind glass", { "distant", NULL }, add_panes, "orthographic", "", "@@mitchell",
       { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 60, "bdpt" },
+    { "a point in a ball", { "infinite", NULL }, add_lantern, "perspective", "", "@@mitchell",
+      { 1.2f, -4.5f, 2.5f }, { 0.6f, 0, 0.6f }, 45, "bdpt" },
 };
 enum { SCENERIES = sizeof sceneries / sizeof *sceneries };
 
@@ -155,14 +168,16 @@ static void mlt(void)
     compare(&sceneries[8], "mlt:" SHORT ",inner=1,lamps=no", 5, 24, 0.2);
     compare(&sceneries[9], "mlt:" SHORT ",newpath=0.2", 4, 8, 0.2);
     compare(&sceneries[10], "mlt:" SHORT ",direct=no,newpath=0.2", 4, 8, 0.2);
+    compare(&sceneries[11], "mlt:" SHORT ",direct=no,newpath=0.2", 4, 8, 0.1);
 }
 
 static void erpt(void)
 {
     compare(&sceneries[0], "erpt:direct=no,length=30,mutations=2,lamps=yes", 5, 8, 0.15);
     compare(&sceneries[1], "erpt:length=30,mutations=2,square=9", 6, 24, 0.2);
-    compare(&sceneries[9], "erpt:length=30,mutations=2,lamps=yes", 6, 8, 0.2);
-    compare(&sceneries[10], "erpt:direct=no,length=30,mutations=2,lamps=yes", 3, 8, 0.2);
+    compare(&sceneries[9], "erpt:length=30,mutations=2", 6, 8, 0.2);
+    compare(&sceneries[10], "erpt:direct=no,length=30,mutations=2", 3, 8, 0.2);
+    compare(&sceneries[11], "erpt:direct=no,length=10,mutations=2", 4, 8, 0.1);
     compare(&sceneries[2], "erpt:direct=no,flow=detailed,length=4,lamps=yes", 3, 8, 0.15);
     compare(&sceneries[5], "erpt:direct=no,flow=iterated,length=4,lamps=yes", 3, 8, 0.15);
 }

@@ -20,9 +20,9 @@ enum { SIDE = 16, EVENTS = 6 };         /* paths of up to 7 edges */
 
 /* ---- a world in which every kind of path has its share ---- */
 
-static uint32_t half_mirror(Lab *l, uint32_t other)
+static uint32_t half_mirror(Lab *l, const char *mirrors, uint32_t other)
 {
-    uint32_t mirror = lab_material(l, "mirror", "reflectance=0.95"),
+    uint32_t mirror = lab_material(l, "mirror", mirrors),
              mix = lab_material(l, "mix", "amount=0.5");
 
     l->scene->materials[mix].part[0] = other;
@@ -31,14 +31,17 @@ static uint32_t half_mirror(Lab *l, uint32_t other)
 }
 
 /* A room open to the sky on the eye's side, with water on its floor: what crosses a ball comes out
- * as it went in, and faults of refraction would cancel. */
-static void add_room(Lab *l)
+ * as it went in, and faults of refraction would cancel. Dim: walls reflect little. */
+static void add_room(Lab *l, bool dim)
 {
+    const char *mirrors = dim ? "reflectance=0.4" : "reflectance=0.95";
     uint32_t black = lab_material(l, "diffuse", "reflectance=0"),
              glass = lab_material(l, "dielectric", "eta=1.5"),
-             wall = half_mirror(l, lab_material(l, "diffuse", "reflectance=0.7/0.8/0.6")),
-             shiny = half_mirror(l, lab_material(l, "phong",
-                                                 "reflectance=0.3,specular=0.5,exponent=10"));
+             wall = half_mirror(l, mirrors, lab_material(l, "diffuse", dim ? "reflectance=0.3"
+                                                         : "reflectance=0.7/0.8/0.6")),
+             shiny = half_mirror(l, mirrors, lab_material(l, "phong", dim
+                                 ? "reflectance=0.2,specular=0.2,exponent=10"
+                                 : "reflectance=0.3,specular=0.5,exponent=10"));
 
     lab_quad(l, v3(-2, -2, -2), v3(4, 0, 0), v3(0, 4, 0), wall);
     lab_quad(l, v3(-2, -2, 2), v3(0, 4, 0), v3(4, 0, 0), wall);
@@ -67,14 +70,14 @@ typedef struct {
     Mutator mutator;
 } World;
 
-static void world_opens(World *w, const char *camera)
+static void room_opens(World *w, const char *camera, bool dim)
 {
     Opts none;
     uint32_t spp = 0;
 
     memset(w, 0, sizeof *w);
     lab_init(&w->lab);
-    add_room(&w->lab);
+    add_room(&w->lab, dim);
     lab_camera(&w->lab, v3(0.3f, -5, 0.2f), v3(0, 0, 0), 40, camera);
     lab_build(&w->lab);
     w->lab.scene->camera->kind->film(w->lab.scene->camera, SIDE, SIDE);
@@ -94,6 +97,8 @@ static void world_opens(World *w, const char *camera)
     w->mutator = (Mutator){ .scene = w->lab.scene, .share = { 1, 1, 1, 3 }, .nearest = 0.1f,
                             .farthest = 8, .least = 1e-3f, .most = 0.5f, .hi = { SIDE, SIDE } };
 }
+
+static void world_opens(World *w, const char *camera) { room_opens(w, camera, false); }
 
 static void world_clears(World *w)
 {
@@ -479,6 +484,50 @@ static void ways(void)
     ways_of("lensradius=0.2,focaldistance=5");
 }
 
+/* Paths found in each way: as many as without roulette, where each stands for those that it ended. */
+typedef struct { World *w; double found[EVENTS + 1]; } Found;
+
+static void count_ways(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
+{
+    Found *f = ctx;
+    double density[LIGHTPATH_MOST], sum = 0;
+
+    bothpath_densities(&f->w->paths, p, true, mutator_places(&f->w->mutator, t), density);
+    for (int k = 0; k < p->edges; k++)
+        sum += density[k];
+    f->found[by] += scale * sum;
+}
+
+static void found_by_ways(World *w, int roulette, uint32_t seed, Stat by[EVENTS + 1])
+{
+    enum { N = 150000 };
+
+    memset(by, 0, (EVENTS + 1) * sizeof *by);
+    w->paths.eye.roulette = roulette;
+    for (uint32_t n = 0; n < N; n++) {
+        Found f = { .w = w };
+        trace(w, seed + n, count_ways, &f);
+        for (int k = 0; k <= EVENTS; k++)
+            stat_add(&by[k], f.found[k]);
+    }
+}
+
+static void roulette(void)
+{
+    static World w;
+    Stat with[EVENTS + 1], without[EVENTS + 1];
+    char what[40];
+
+    room_opens(&w, "", true);
+    found_by_ways(&w, 1, 0, with);
+    found_by_ways(&w, 100, 1u << 20, without);
+    for (int k = 0; k < 4; k++) {               /* others are few */
+        snprintf(what, sizeof what, "paths by way %d", k);
+        stat_expect_same(&with[k], &without[k], 0.25, what);
+    }
+    world_clears(&w);
+}
+
 /* ---- acceptance by both ---- */
 
 enum { SIGNATURES = 1 << (EVENTS + 1) };
@@ -532,6 +581,8 @@ static void compare_routes(void *ctx, const LightPath *p, int by, double scale, 
         q = mutated(&c->w->mutator, move, &x, &y, spare.at, &c->r, t);
         if (!(q > 0))
             continue;
+        EXPECT(!x.end.light->kind->delta == !y.end.light->kind->delta,
+               "mutation %d goes to a light from which none comes back", (int)m);
         expected = as_printed(c->w, move, &x, &y);
         off = fabs(q / expected - 1);
         c->moves[m]++;
@@ -744,6 +795,7 @@ const TestCase test_mutations[] = {
     { "routes", routes, false },
     { "balance", balance, false },
     { "ways", ways, false },
+    { "roulette", roulette, false },
     { "new_paths", new_paths, false },
     { NULL, NULL, false }
 };
