@@ -484,7 +484,7 @@ static void ways(void)
     ways_of("lensradius=0.2,focaldistance=5");
 }
 
-/* Paths found in each way: as many as without roulette, where each stands for those that it ended. */
+/* Paths found in each way: as many as without roulette, where each stands for those it ended. */
 typedef struct { World *w; double found[EVENTS + 1]; } Found;
 
 static void count_ways(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
