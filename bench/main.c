@@ -46,6 +46,19 @@ static void machine(void)
     printf("# %s %s, %s, %d processors\n", u.sysname, u.machine, compiler, processors());
 }
 
+/* Whether a bench has the text in its name; else it is said which there are. */
+static bool is_some(const char *text)
+{
+    for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)
+        if (strstr(benches[i].name, text))
+            return true;
+    fprintf(stderr, "bench: none has '%s' in its name; there are:", text);
+    for (size_t i = 0; i < sizeof benches / sizeof benches[0]; i++)
+        fprintf(stderr, "%s %s", i ? "," : "", benches[i].name);
+    fprintf(stderr, ", sheet\n");
+    return false;
+}
+
 int main(int argc, char **argv)
 {
     bool reports = argc > 2 && !strcmp(argv[1], "report");
@@ -53,6 +66,8 @@ int main(int argc, char **argv)
 
     if (!strcmp(text, "sheet"))
         return sheet(argc - 2, argv + 2);
+    if (!is_some(text))
+        return STATUS_USAGE;
     messages_quiet(true);
     if (reports && !report_begin(argv[2]))
         return err_status();
