@@ -351,7 +351,7 @@ static void broken(void)
  * float of a band amid a pass is one of a map. */
 static void unlearned(void)
 {
-    static const float of[] = { INFINITY - INFINITY, -1.0f, INFINITY, 1e38f, 2.0f };
+    const float of[] = { INFINITY - INFINITY, -1.0f, INFINITY, 1e38f, 2.0f };
     Stopper stopper = { path_of("a.part"), 0, 0, 7, false };
     RenderSettings s;
     Film film;
