@@ -28,7 +28,8 @@ INLINE void octahedron_fold(float *x, float *y)
     *y = copysignf(1.0f - fabsf(a), b);
 }
 
-/* The unit disc, with density 1 / pi; *r is the distance from the centre, without the error of squaring. */
+/* The unit disc, with density 1 / pi; *r is the distance from the centre, without the error of
+ * squaring. */
 INLINE V2 warp_disk_radius(V2 u, float *r)
 {
     float a = (2.0f * u.x - 1.0f) + 0x1p-24f, b = (2.0f * u.y - 1.0f) + 0x1p-24f;
