@@ -30,7 +30,7 @@ static double pdf_disk(const void *of, V3 w)
 {
     double x = 2.0 * w.x - 1.0, y = 2.0 * w.y - 1.0;
     (void)of;
-    return x * x + y * y < 1.0 ? 4.0 * warp_disk_pdf() : 0.0;
+    return x * x + y * y < 1.0 ? 4.0 / PI : 0.0;
 }
 
 static bool draw_triangle(const void *of, Rng *rng, V3 *w)
@@ -55,7 +55,7 @@ static bool draw_tent(const void *of, Rng *rng, V3 *w)
 static double pdf_tent(const void *of, V3 w)
 {
     (void)of;
-    return 4.0 * warp_tent_pdf(2.0f * w.x - 1.0f) * warp_tent_pdf(2.0f * w.y - 1.0f);
+    return 4.0 * (1.0 - fabs(2.0 * w.x - 1.0)) * (1.0 - fabs(2.0 * w.y - 1.0));
 }
 
 static bool draw_cosine(const void *of, Rng *rng, V3 *w)

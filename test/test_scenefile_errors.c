@@ -264,6 +264,8 @@ static const Fault warnings[] = {
     { 1, 12, "unknown colour space 'rec2021', did you mean 'rec2020'?", "ColorSpace \"rec2021\"" },
     { 1, 31, "unknown spectrum 'metal-Cu-et', did you mean 'metal-Cu-eta'?; the parameter is left",
       "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"metal-Cu-et\"" },
+    { 1, 31, "unknown spectrum 'stdilum-F9', did you mean 'stdillum-F9'?",
+      "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"stdilum-F9\"" },
     { 1, 1, "AttributeBegin has no AttributeEnd", "AttributeBegin" },
     { 1, 1, "AttributeBegin has no AttributeEnd", "AttributeBegin WorldBegin" },
     { 1, 1, "Shape stands before WorldBegin; this is read as a part",

@@ -344,7 +344,6 @@ static void patterns(void)
         EXPECT(near_rgb(texture_eval(t2, &s), odd2 ? b : a, 1e-6), "squares");
         EXPECT(near_rgb(texture_eval(t3, &s), odd3 ? b : a, 1e-6), "cubes");
     }
-    EXPECT(near_rgb(texture_mean(t2), rgb(0.5f, 0.375f, 0.5f), 1e-6), "mean");
     scenefile_clear(&f);
     scenefile_clear(&g);
     EXPECT(near_rgb(value(mixed, o, 0, 0), rgb(0.75f, 0.5f, 0.25f), 1e-6), "mix");
@@ -362,7 +361,7 @@ static void dots(void)
     enum { N = 40000 };
     SceneFile f;
     const Texture *t = texture_of(&f, "Texture \"x\" \"spectrum\" \"dots\"");
-    double p = texture_mean(t).r, inside = 0;
+    double p = 0.5 * PI * 0.35 * 0.35, inside = 0;
     Rng r = rng_seed(46);
 
     for (int k = 0; k < N; k++) {
@@ -373,7 +372,6 @@ static void dots(void)
         s.uv.x = floorf(s.uv.x) + 0.5f;                 /* borders between squares */
         EXPECT(texture_eval(t, &s).r == 0, "a dot is cut off");
     }
-    EXPECT(near(p, 0.5 * PI * 0.35 * 0.35, 1e-6), "mean");
     EXPECT(fabs(inside / N - p) < 4 * sqrt(p * (1 - p) / N), "%g of %g", inside / N, p);
     scenefile_clear(&f);
 }

@@ -13,8 +13,6 @@
 #include "bsdf/ggx.h"
 #include "bsdf/half.h"
 
-#define SHARPEST 1e6f           /* the lobe is then as wide as 1e4 roundings of a direction */
-
 typedef struct {
     Rgb   below, Rs;            /* 28 Rd (1 - Rs) / 23 pi */
     float nu, nv, norm;         /* norm: sqrt((nu + 1)(nv + 1)) / (8 pi) */
@@ -27,7 +25,7 @@ static float exponent_of(float n, float roughness, float both, bool remap)
 {
     if (roughness >= 0.0f || both >= 0.0f)
         n = 2.0f / f_sqr(f_max(ggx_alpha(roughness, both, remap), GGX_SMOOTHEST)) - 2.0f;
-    return f_min(f_max(n, 0.0f), SHARPEST);
+    return f_min(f_max(n, 0.0f), BSDF_SHARPEST);
 }
 
 static void setup(Bsdf *b, const Rgb *value, const void *data)
@@ -131,7 +129,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(blend, &h);
-    return reflects(s, wo, f_of(blend, up, s->wi, &h, gloss),
+    return smooth_event(s, wo, f_of(blend, up, s->wi, &h, gloss),
                     pdf_of(blend, up, s->wi, gloss), matt);
 }
 

@@ -14,8 +14,6 @@
 #include "bsdf/fresnel.h"
 #include "bsdf/half.h"
 
-#define SHARPEST 1e6f           /* the lobe is then as wide as 1e4 roundings of a direction */
-
 typedef struct {
     Rgb   diffuse, specular;
     float exponent, eta;        /* eta 0: F is 1 */
@@ -31,7 +29,7 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
 
     (void)data;
     reflectances_of(value, &p->diffuse, &p->specular);
-    p->exponent = f_min(f_max(value[2].r, 0.0f), SHARPEST);
+    p->exponent = f_min(f_max(value[2].r, 0.0f), BSDF_SHARPEST);
     p->eta = value[3].r >= 1.0f ? f_min(value[3].r, 10.0f) : 0.0f;
     ld = rgb_lum(p->diffuse);
     ls = rgb_lum(p->specular) * (p->eta > 0.0f ? 0.2f : 1.0f);  /* F is small most of the way */
@@ -110,7 +108,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     power = power_of(p, &h);
-    return reflects(s, wo, f_of(p, up, s->wi, &h, power), pdf_of(p, s->wi, &h, power), matt);
+    return smooth_event(s, wo, f_of(p, up, s->wi, &h, power), pdf_of(p, s->wi, &h, power), matt);
 }
 
 /* The lobe's without Fresnel is a fit; Fresnel's cosine is that of facets that turn to the eye. */

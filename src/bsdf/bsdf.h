@@ -105,6 +105,28 @@ INLINE BsdfSample delta_event(V3 wi, Rgb weight, int side, float eta)
 {
     return (BsdfSample){ wi, weight, 0.0f, side | BSDF_SPECULAR, eta };
 }
+/* Ends the sampling of s->wi, which is above, for a wo of either side, where f and pdf_w are. */
+INLINE bool smooth_event(BsdfSample *s, V3 wo, Rgb f, float pdf_w, bool matt)
+{
+    if (!(pdf_w > 0.0f))
+        return false;
+    s->pdf_w = pdf_w;
+    s->weight = rgb_scale(f, s->wi.z / pdf_w);
+    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (matt ? BSDF_MATT : 0);
+    s->eta = 1.0f;
+    if (wo.z < 0.0f)
+        s->wi.z = -s->wi.z;
+    return true;
+}
+
+/* Exponents of cosine lobes: the lobe is then as wide as 1e4 roundings of a direction. */
+#define BSDF_SHARPEST 1e6f
+
+/* 1 / |w| of a unit vector, whose length is off by roundings: to the second order in those. */
+INLINE double unit_factor(V3 w)
+{
+    return 1.5 - 0.5 * ((double)w.x * w.x + (double)w.y * w.y + (double)w.z * w.z);
+}
 
 INLINE V3 mirror_z(V3 w) { return (V3){ -w.x, -w.y, w.z }; }
 /* The normal on the side of w. */

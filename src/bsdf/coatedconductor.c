@@ -230,7 +230,6 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     int part = lobe < all.p[0] ? 0 : lobe < all.p[0] + all.p[1] ? 1 : 2;
 
     (void)importance;
-    s->eta = 1.0f;
     if (all_smooth(c) || (part == 0 && coat_is_smooth(&c->coat))) {
         float chance = all_smooth(c) ? 1.0f : all.p[0];
         Rgb weight = rgb_scale(mirrored(c, up, E), 1.0f / chance);
@@ -243,14 +242,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         s->wi = part == 0 ? ggx_sample(c->coat.facets, up, u) : warp_cosine(u);
     if (!same_side(up, s->wi))
         return false;
-    s->pdf_w = pdf_of(c, up, s->wi, &all);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(c, up, s->wi, E), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (part == 2 ? BSDF_MATT : 0);
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return smooth_event(s, wo, f_of(c, up, s->wi, E), pdf_of(c, up, s->wi, &all), part == 2);
 }
 
 static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])

@@ -104,25 +104,14 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     float E = coat_albedo(&c->coat, up), share = coat_share(c, E);
 
     (void)importance;
-    s->eta = 1.0f;
     if (lobe < share && is_smooth(c)) {
-        s->wi = mirror_z(wo);
-        s->weight = rgb_scale(c->specular, E / share);
-        s->pdf_w = 0.0f;
-        s->flags = BSDF_REFLECT | BSDF_SPECULAR;
+        *s = delta_event(mirror_z(wo), rgb_scale(c->specular, E / share), BSDF_REFLECT, 1.0f);
         return wo.z != 0.0f;
     }
     s->wi = lobe < share ? ggx_sample(c->coat.facets, up, u) : warp_cosine(u);
     if (!same_side(up, s->wi))
         return false;
-    s->pdf_w = pdf_of(c, up, s->wi, share);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(c, up, s->wi, E), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (lobe < share ? 0 : BSDF_MATT);
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return smooth_event(s, wo, f_of(c, up, s->wi, E), pdf_of(c, up, s->wi, share), !(lobe < share));
 }
 
 static int deltas(const Bsdf *b, V3 wo, BsdfSample s[BSDF_DELTAS])

@@ -118,7 +118,7 @@ static void split(const Dielectric *d, double t, double eta, Between *f)
 
 static Between between(const Dielectric *d, V3 wo, V3 wi, double eta)
 {
-    double a = ggx_unit(wo), b = ggx_unit(wi), e = wi.z > 0.0f ? b : b * eta, side, length;
+    double a = unit_factor(wo), b = unit_factor(wi), e = wi.z > 0.0f ? b : b * eta, side, length;
     double x = a * wo.x + e * wi.x, y = a * wo.y + e * wi.y, z = a * wo.z + e * wi.z;
     Between f = { false, 0.0, 0.0, 0.0f, 0.0, 0.0, 0.0 };
 

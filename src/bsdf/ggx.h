@@ -64,12 +64,6 @@ INLINE float ggx_s(Ggx g, V3 w)
     return sqrtf(w.z * w.z + f_sqr(g.ax * w.x) + f_sqr(g.ay * w.y));
 }
 
-/* 1 / |w| of a unit vector, whose length is off by roundings: to the second order in those. */
-INLINE double ggx_unit(V3 w)
-{
-    return 1.5 - 0.5 * ((double)w.x * w.x + (double)w.y * w.y + (double)w.z * w.z);
-}
-
 /* D of the direction of (x, y, z), z > 0. */
 INLINE float ggx_d_along(Ggx g, double x, double y, double z)
 {
@@ -82,7 +76,7 @@ INLINE float ggx_d_along(Ggx g, double x, double y, double z)
  * of D. So both are made unit again, in double. */
 INLINE float ggx_d(Ggx g, V3 wo, V3 wi)
 {
-    double a = ggx_unit(wo), b = ggx_unit(wi);
+    double a = unit_factor(wo), b = unit_factor(wi);
     return ggx_d_along(g, a * wo.x + b * wi.x, a * wo.y + b * wi.y, a * wo.z + b * wi.z);
 }
 

@@ -21,8 +21,7 @@ typedef struct {
 
 INLINE Half half_of(V3 wo, V3 wi)
 {
-    double a = 1.5 - 0.5 * ((double)wo.x * wo.x + (double)wo.y * wo.y + (double)wo.z * wo.z);
-    double b = 1.5 - 0.5 * ((double)wi.x * wi.x + (double)wi.y * wi.y + (double)wi.z * wi.z);
+    double a = unit_factor(wo), b = unit_factor(wi);
     Half h = { a * wo.x + b * wi.x, a * wo.y + b * wi.y, a * wo.z + b * wi.z, 0.0, 0.0 };
 
     h.length2 = h.x * h.x + h.y * h.y + h.z * h.z;
@@ -52,20 +51,6 @@ INLINE V2 circle_and(V2 u, double *rest)
     V2 d = warp_disk_radius(u, &r);
     *rest = (1.0 - (double)r) * (1.0 + (double)r);
     return (V2){ d.x / r, d.y / r };
-}
-
-/* Ends the sampling of s->wi, which is above, for a wo of either side, where f and pdf_w are. */
-INLINE bool reflects(BsdfSample *s, V3 wo, Rgb f, float pdf_w, bool matt)
-{
-    if (!(pdf_w > 0.0f))
-        return false;
-    s->pdf_w = pdf_w;
-    s->weight = rgb_scale(f, s->wi.z / pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (matt ? BSDF_MATT : 0);
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
 }
 
 #endif

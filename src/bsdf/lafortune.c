@@ -34,7 +34,7 @@ static const Lafortune *of(const Bsdf *b) { return (const Lafortune *)(const voi
 /* C wo and its length, wo made exactly unit: a power of the length will tell. */
 static double arrow(const Lobe *l, V3 wo, double *x, double *y, double *z)
 {
-    double a = 1.5 - 0.5 * ((double)wo.x * wo.x + (double)wo.y * wo.y + (double)wo.z * wo.z);
+    double a = unit_factor(wo);
     *x = a * l->c.x * wo.x;
     *y = a * l->c.y * wo.y;
     *z = a * l->c.z * wo.z;
@@ -50,7 +50,7 @@ static double power_of(const Lobe *l, V3 wo, V3 wi, double *size)
     *size = 0.0;
     if (!(length > 1e-6))
         return 0.0;
-    a = 1.5 - 0.5 * ((double)wi.x * wi.x + (double)wi.y * wi.y + (double)wi.z * wi.z);
+    a = unit_factor(wi);
     x = x / length - a * wi.x;
     y = y / length - a * wi.y;
     z = z / length - a * wi.z;
@@ -252,6 +252,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     const Lafortune *p = of(b);
     V3 up = above(wo);
     int j = choose(p, up, lobe);
+    float pdf;
     Rgb f;
 
     (void)importance;
@@ -260,15 +261,8 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     s->wi = j < 0 ? warp_cosine(u) : about(&p->lobes->lobe[j], up, u);
     if (!same_side(up, s->wi))
         return false;
-    f = both(p, up, s->wi, &s->pdf_w);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f, s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH | (j < 0 ? BSDF_MATT : 0);
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    f = both(p, up, s->wi, &pdf);
+    return smooth_event(s, wo, f, pdf, j < 0);
 }
 
 static Rgb albedo(const Bsdf *b, V3 wo)

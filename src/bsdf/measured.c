@@ -201,15 +201,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     s->wi = lobe < COSINE_SHARE ? warp_cosine(u) : toward(m, up, u);
     if (!same_side(up, s->wi))
         return false;
-    s->pdf_w = pdf_of(m, up, s->wi);
-    if (!(s->pdf_w > 0.0f))
-        return false;
-    s->weight = rgb_scale(f_of(m, up, s->wi), s->wi.z / s->pdf_w);
-    s->flags = BSDF_REFLECT | BSDF_SMOOTH;
-    s->eta = 1.0f;
-    if (wo.z < 0.0f)
-        s->wi.z = -s->wi.z;
-    return true;
+    return smooth_event(s, wo, f_of(m, up, s->wi), pdf_of(m, up, s->wi), false);
 }
 
 static Rgb albedo(const Bsdf *b, V3 wo)

@@ -1,6 +1,7 @@
 /* merl.c -- the code of merl.h. */
 #include "bsdf/merl.h"
 
+#include "base/bits.h"
 #include "base/mem.h"
 #include "bsdf/half.h"
 
@@ -9,20 +10,11 @@ static uint32_t u32_at(const unsigned char *b)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* A double by its bits; 0 where it is negative or not finite. */
+/* A double by its bits; 0 where it is negative, not finite, or absurd. */
 static double value_at(const unsigned char *b)
 {
-    uint64_t bits = (uint64_t)u32_at(b + 4) << 32 | u32_at(b), part = bits & 0xFFFFFFFFFFFFFu;
-    int exponent = (int)(bits >> 52 & 0x7FF);
-    double x = 1.0 + (double)part * 0x1p-52;
-
-    if (bits >> 63 || exponent < 1023 - 100 || exponent > 1023 + 100)
-        return 0.0;
-    for (; exponent > 1023; exponent--)
-        x *= 2.0;
-    for (; exponent < 1023; exponent++)
-        x *= 0.5;
-    return x;
+    double x = double_of((uint64_t)u32_at(b + 4) << 32 | u32_at(b));
+    return x >= 0x1p-100 && x < 0x1p101 ? x : 0.0;
 }
 
 bool merl_read(Merl *m, const char *path, const unsigned char *bytes, size_t n)

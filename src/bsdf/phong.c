@@ -12,8 +12,6 @@
 #include "bsdf/bsdf.h"
 #include "sampling/warp.h"
 
-#define SHARPEST 1e6f           /* the lobe is then as wide as 1e4 roundings of a direction */
-
 typedef struct {
     Rgb   diffuse, specular;
     float exponent;
@@ -29,7 +27,7 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
 
     (void)data;
     reflectances_of(value, &p->diffuse, &p->specular);
-    p->exponent = f_min(f_max(value[2].r, 0.0f), SHARPEST);
+    p->exponent = f_min(f_max(value[2].r, 0.0f), BSDF_SHARPEST);
     ld = rgb_lum(p->diffuse);
     ls = rgb_lum(p->specular);
     p->glossy = ls > 0.0f ? ls / (ld + ls) : 0.0f;

@@ -35,17 +35,12 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
     (void)u, (void)importance;
     if (wo.z == 0.0f || !(R + T > 0.0f))
         return false;
-    s->pdf_w = 0.0f;
-    s->eta = 1.0f;
-    if (lobe * (R + T) < R) {
-        s->wi = mirror_z(wo);
-        s->weight = rgb_scale(p->reflectance, F * ((R + T) / R));
-        s->flags = BSDF_REFLECT | BSDF_SPECULAR;
-    } else {
-        s->wi = v_neg(wo);
-        s->weight = rgb_scale(p->transmittance, (1.0f - F) * ((R + T) / T));
-        s->flags = BSDF_TRANSMIT | BSDF_SPECULAR;
-    }
+    if (lobe * (R + T) < R)
+        *s = delta_event(mirror_z(wo), rgb_scale(p->reflectance, F * ((R + T) / R)), BSDF_REFLECT,
+                         1.0f);
+    else
+        *s = delta_event(v_neg(wo), rgb_scale(p->transmittance, (1.0f - F) * ((R + T) / T)),
+                         BSDF_TRANSMIT, 1.0f);
     return true;
 }
 

@@ -14,8 +14,6 @@
 #include "bsdf/ggx.h"
 #include "bsdf/half.h"
 
-#define SMOOTHEST 1e-3f         /* as GGX_SMOOTHEST: a lobe as wide as roundings show */
-
 typedef struct {
     Rgb   diffuse, specular;
     float ax, ay;
@@ -32,8 +30,8 @@ static void setup(Bsdf *b, const Rgb *value, const void *data)
 
     (void)data;
     reflectances_of(value, &w->diffuse, &w->specular);
-    w->ax = f_min(f_max(u, SMOOTHEST), 1.0f);
-    w->ay = f_min(f_max(v, SMOOTHEST), 1.0f);
+    w->ax = f_min(f_max(u, GGX_SMOOTHEST), 1.0f);
+    w->ay = f_min(f_max(v, GGX_SMOOTHEST), 1.0f);
     ld = rgb_lum(w->diffuse);
     ls = rgb_lum(w->specular);
     w->glossy = ls > 0.0f ? ls / (ld + ls) : 0.0f;
@@ -104,7 +102,7 @@ static bool sample(const Bsdf *b, V3 wo, float lobe, V2 u, bool importance, Bsdf
         return false;
     h = half_of(up, s->wi);
     gloss = lobe_of(w, &h);
-    return reflects(s, wo, f_of(w, &h, gloss), pdf_of(w, s->wi, &h, gloss), matt);
+    return smooth_event(s, wo, f_of(w, &h, gloss), pdf_of(w, s->wi, &h, gloss), matt);
 }
 
 /* The lobe's is a fit: a wide one sends light below the surface, but little from grazing eyes. */

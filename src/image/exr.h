@@ -24,9 +24,7 @@ bool exr_has(const unsigned char *bytes, size_t n, const char *layer);
 bool exr_read(Image *im, const char *path, const unsigned char *bytes, size_t n,
               uint64_t max_pixels, const char *layer);
 
-/* What ZIP and RLE do to a block's n bytes before they are packed, and back; `to` is other room of
- * n bytes. */
+/* What ZIP and RLE do to a block's n bytes before they are packed; `to` is other room for them. */
 void exr_arrange(const unsigned char *from, unsigned char *to, size_t n);
-void exr_restore(unsigned char *from, unsigned char *to, size_t n);
 
 #endif

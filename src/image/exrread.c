@@ -273,7 +273,8 @@ static bool check_blocks(const ExrIn *f)
     return true;
 }
 
-void exr_restore(unsigned char *from, unsigned char *to, size_t n)
+/* Undoes exr_arrange. */
+static void restore(unsigned char *from, unsigned char *to, size_t n)
 {
     size_t half = (n + 1) / 2;
 
@@ -336,7 +337,7 @@ static const unsigned char *unpack(const ExrIn *f, uint32_t k, Inflate *z, unsig
         return p;
     if (f->how == EXR_RLE ? !unpack_rle(p, n, room, raw) : !unpack_zip(z, p, n, room, raw))
         return NULL;
-    exr_restore(room, room + raw, raw);
+    restore(room, room + raw, raw);
     return room + raw;
 }
 

@@ -97,6 +97,14 @@ const char *image_extensions(char out[IMAGE_EXTENSIONS])
     return extensions_that(true, out, IMAGE_EXTENSIONS);
 }
 
+bool image_can_read(const char *path)
+{
+    for (const ImageFormat *const *f = image_formats; *f; f++)
+        if ((*f)->read && has_word((*f)->extensions, path_extension(path)))
+            return true;
+    return false;
+}
+
 const ImageFormat *image_format_of(const char *path)
 {
     for (const ImageFormat *const *f = image_formats; *f; f++)

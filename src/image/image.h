@@ -64,6 +64,8 @@ typedef struct {
 } ImageFormat;
 extern const ImageFormat *const image_formats[];        /* ends with NULL */
 
+/* Whether files with the extension of path can be read. */
+bool image_can_read(const char *path);
 /* One that can be written, by the extension of path. NULL: none is; nothing reported. */
 const ImageFormat *image_format_of(const char *path);
 /* Their usual extensions, with blanks between. */

@@ -76,9 +76,7 @@ static float sample(const unsigned char *p, bool little)
     uint32_t bits = little
         ? p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24
         : p[3] | (uint32_t)p[2] << 8 | (uint32_t)p[1] << 16 | (uint32_t)p[0] << 24;
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    return float_of(bits);
 }
 
 static Rgb pixel(const Pfm *f, const unsigned char *p)

@@ -88,16 +88,16 @@ INLINE bool falls_second(double *u, double first, double all)
     return second;
 }
 
+/* A cell, and the rectangle of the unit square that is warped to the part which holds it. */
+typedef struct { int64_t x, y; double at[2], side[2]; } Aim;
+
 /* One step [Cline07 fig. 5.14], but by columns and rows at once: half as many, and how much is on
  * each side is known better. f on the cut is half of both ends, also where cells do not divide
  * evenly; if there is but one, the cut is its far edge. All quarters count their part of the light,
  * of which the table's roundings may leave none: then the first takes all. towards NULL: the way
  * goes by the point; else to that cell, and corner and side of the part's preimage are noted. What
  * comes out is not written over what goes in, for the vectors' sake. */
-typedef struct { int64_t x, y; double at[2], side[2]; } Aim;
-
-INLINE void step(const Falls *p, const Cuts *cut, Falls *to, int i,
-                 Aim *towards)
+INLINE void step(const Falls *p, const Cuts *cut, Falls *to, int i, Aim *towards)
 {
     double f00 = p->f00[i], f10 = p->f10[i], f01 = p->f01[i], f11 = p->f11[i];
     double s00 = p->s00[i], s10 = p->s10[i], s01 = p->s01[i], s11 = p->s11[i];

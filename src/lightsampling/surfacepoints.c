@@ -220,7 +220,8 @@ static void keep(Near *near, Lit *all, uint32_t i)
     near->bucket[b] = i;
 }
 
-/* Gives each candidate's area and light to the nearest that is kept: owner[i]. */
+/* Makes points of those kept, and gives each candidate's area and light to the nearest of them.
+ * number_of: room for the place of each one among the points. */
 static bool share_out(PointLights *to, const Surfaces *it, const Near *near, uint32_t *number_of,
                       const uint32_t *kept, size_t nkept, float area)
 {

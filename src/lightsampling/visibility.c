@@ -7,8 +7,7 @@ enum { MAYBE_OCCLUDED = 0x55555555 };      /* of each texel of a word */
 
 /* ---- the grid ---- */
 
-/* Most maps in a row that the pixels of a tile have: tiles begin at first and have `side` pixels
- * but for the last, which ends at `end`. */
+/* Most maps in a row that the pixels of a tile have. The tiles go from `first` to `end`. */
 static uint32_t most_in_tile(uint32_t first, uint32_t end, uint32_t spacing)
 {
     uint32_t most = 0;

@@ -142,9 +142,10 @@ static TorusPoint best_candidate(const Cells *c, Rng *rng)
     return best;
 }
 
-/* One step of Lloyd's. dx, dy: room for n sums each, of differences, and places for n counts. */
+/* Differences from a point to the places nearest to it, summed, and how many there are. */
 typedef struct { double x, y; uint32_t count; } Pull;
 
+/* One step of Lloyd's. */
 static void relax(TorusPoint *p, const Cells *c, Pull *pull)
 {
     uint32_t side = 8 * (c->side + 1);

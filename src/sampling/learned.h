@@ -24,8 +24,6 @@
 
 #include <stdbool.h>
 
-enum { LEARNED_SIDE_MOST = 256 };       /* cells along a side */
-
 typedef struct {
     int   w, h;                 /* cells; h 1: of one number */
     bool  sphere;               /* columns are longitudes, rows latitudes */

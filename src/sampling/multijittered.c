@@ -28,11 +28,7 @@ static V2 two(Sampler *s, Decision d)
     return (V2){ in_stratum(x, n, (uint32_t)(place >> 32)), in_stratum(y, n, (uint32_t)place) };
 }
 
-static const OptDef options[] = {
-    { .key = "randomize", .type = OPT_CHOICE, .str = "pixel", .choices = "pixel none",
-      .help = "a pattern for each pixel; or the same one for all" },
-    { .key = NULL }
-};
+static const OptDef options[] = { PIXEL_OPTION, { .key = NULL } };
 
 const SamplerKind sampler_multijittered = {
     .info = { "multijittered", "Cline07 4.5.4",

@@ -25,11 +25,7 @@ static V2 two(Sampler *s, Decision d)
                  in_stratum(row, s->size, (uint32_t)place) };
 }
 
-static const OptDef options[] = {
-    { .key = "randomize", .type = OPT_CHOICE, .str = "pixel", .choices = "pixel none",
-      .help = "a pattern for each pixel; or the same one for all" },
-    { .key = NULL }
-};
+static const OptDef options[] = { PIXEL_OPTION, { .key = NULL } };
 
 const SamplerKind sampler_nrooks = {
     .info = { "nrooks", "Cline07 4.5.4",

@@ -28,6 +28,11 @@ typedef enum { OWEN, ROTATION, FIXED, DIGITS } Randomize;
 
 Randomize randomize_of(const Opts *o);
 
+/* Of strata, which are random within a pixel anyhow: `none` makes Sampler.fixed. */
+#define PIXEL_OPTION                                                                              \
+    { .key = "randomize", .type = OPT_CHOICE, .str = "pixel", .choices = "pixel none",            \
+      .help = "a pattern for each pixel; or the same one for all" }
+
 /* ---- blocks and strata ---- */
 
 /* Before the first sample: N planned samples are one block, or several, as equal as can be, if N is

@@ -65,8 +65,7 @@ static const OptDef options[] = {
       .help = "strata down; 0: 4, or by the sample count" },
     { .key = "jitter", .type = OPT_BOOL, .num = 1,
       .help = "a random place in each stratum; else its middle, which is biased" },
-    { .key = "randomize", .type = OPT_CHOICE, .str = "pixel", .choices = "pixel none",
-      .help = "a pattern for each pixel; or the same one for all" },
+    PIXEL_OPTION,
     { .key = NULL }
 };
 

@@ -119,8 +119,7 @@ static const OptDef options[] = {
       .choices = "restricted permuted independent",
       .help = "all parts of the pixel with all parts of a decision; any permutation; or only the "
               "pixel has strata" },
-    { .key = "randomize", .type = OPT_CHOICE, .str = "pixel", .choices = "pixel none",
-      .help = "a pattern for each pixel; or the same one for all" },
+    PIXEL_OPTION,
     { .key = NULL }
 };
 

@@ -28,7 +28,8 @@ INLINE void octahedron_fold(float *x, float *y)
     *y = copysignf(1.0f - fabsf(a), b);
 }
 
-/* The unit disc; *r is the distance from the centre, without the error of squaring. */
+/* The unit disc, with density 1 / pi; *r is the distance from the centre, without the error of
+ * squaring. */
 INLINE V2 warp_disk_radius(V2 u, float *r)
 {
     float a = (2.0f * u.x - 1.0f) + 0x1p-24f, b = (2.0f * u.y - 1.0f) + 0x1p-24f;
@@ -45,7 +46,6 @@ INLINE V2 warp_disk_concentric(V2 u)
     float r;
     return warp_disk_radius(u, &r);
 }
-INLINE float warp_disk_pdf(void) { return INV_PI; }
 
 /* The hemisphere about +z, in proportion to the cosine; z > 0. */
 INLINE V3 warp_cosine(V2 u)
@@ -91,6 +91,5 @@ INLINE float warp_tent(float u)
 {
     return u < 0.5f ? sqrtf(2.0f * u) - 1.0f : 1.0f - sqrtf(2.0f * (1.0f - u));
 }
-INLINE float warp_tent_pdf(float x) { return f_max(0.0f, 1.0f - fabsf(x)); }
 
 #endif

@@ -237,7 +237,7 @@ static const OptDef options[] = {
       .help = "luminance of the irradiance on a surface that faces z; sets L if above 0" },
     { .key = "sampling", .type = OPT_CHOICE, .str = "cdf", .choices = "cdf alias mediancut",
       .help = "of a picture: by inverting sums, by the alias method, by regions of like light" },
-    { .key = "lights", .type = OPT_INT, .num = 64, .lo = 1, .hi = 4096,
+    { .key = "lights", .type = OPT_INT, .num = 64, .lo = 1, .hi = 1 << CUTS_MOST,
       .help = "mediancut: regions, rounded up to a power of two" },
     { .key = "jitter", .type = OPT_BOOL, .num = 1,
       .help = "mediancut: anywhere in a region; false: in its middle, fixed, without noise but "

@@ -163,14 +163,18 @@ double mapping_solid_angle(const Mapping *m)
     return m->kind == MAPPING_WINDOW ? 4.0 * mapping_corner(m->half_x, m->half_y) : 4.0 * PI;
 }
 
-Mapping mapping_option(const Opts *o, const Image *image)
+bool mapping_is_v3(const Opts *o)
 {
     const Param *file = opt_param(o, "filename");
-    bool old = file && !strcmp(file->name, "mapname");
+    return file && !strcmp(file->name, "mapname");
+}
+
+Mapping mapping_option(const Opts *o, const Image *image)
+{
     Mapping m = { MAPPING_LATLONG, 0, 0 };
 
     if (opt_is(o, "mapping", "octahedral") ||
-        (opt_is(o, "mapping", "auto") && !old && image->w == image->h))
+        (opt_is(o, "mapping", "auto") && !mapping_is_v3(o) && image->w == image->h))
         m.kind = MAPPING_OCTAHEDRAL;
     else if (opt_is(o, "mapping", "angular"))
         m.kind = MAPPING_ANGULAR;

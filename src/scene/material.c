@@ -175,13 +175,18 @@ static float step_of(const Surface *s, V3 along, float at)
     return length > 0.0f ? f_max(least, 0.5f * s->width / length) : least;
 }
 
+/* The turned normal, if it stays on the side of both. */
+static V3 if_above(V3 n, const Surface *s)
+{
+    return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
+}
+
 static V3 bumped_normal(const Material *m, const Surface *s)
 {
-    float hu = step_of(s, s->dpdu, s->uv.x), hv = step_of(s, s->dpdv, s->uv.y), size, slope_u;
-    float slope_v;
+    float hu = step_of(s, s->dpdu, s->uv.x), hv = step_of(s, s->dpdv, s->uv.y), slope_u, slope_v;
     V3 N = v_cross(s->dpdu, s->dpdv), n;
+    float size = v_len(N);
 
-    size = v_len(N);
     slope_u = (displaced(m->bump, s, hu, 0.0f) - displaced(m->bump, s, -hu, 0.0f)) / (2.0f * hu);
     slope_v = (displaced(m->bump, s, 0.0f, hv) - displaced(m->bump, s, 0.0f, -hv)) / (2.0f * hv);
     if (v_dot(N, s->ns) < 0.0f)
@@ -191,7 +196,7 @@ static V3 bumped_normal(const Material *m, const Surface *s)
     n = v_unit(v_mad(s->ns, size, n));
     if (size < 0.0f)
         n = v_neg(n);
-    return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
+    return if_above(n, s);
 }
 
 static V3 painted_normal(const Material *m, const Surface *s)
@@ -203,7 +208,7 @@ static V3 painted_normal(const Material *m, const Surface *s)
     if (m->mirrors && v_dot(f.t, s->dpdv) < 0.0f)
         n.y = -n.y;
     n = v_unit(frame_out(&f, n));
-    return v_finite(n) && v_dot(n, s->ng) > 0.0f && v_dot(n, s->ns) > 0.0f ? n : s->ns;
+    return if_above(n, s);
 }
 
 Frame material_frame_bumped(const Material *m, const Surface *s)

@@ -11,14 +11,14 @@
 #include "base/maths.h"
 #include "sampling/warp.h"
 
-Rgb medium_extinction(const Medium *m) { return rgb_add(m->absorption, m->scattering); }
+static Rgb extinction(const Medium *m) { return rgb_add(m->absorption, m->scattering); }
 
 /* exp(-s x), 1 for s = 0 however far x is. */
 static float fade(float s, float x) { return s > 0.0f ? m_exp(-s * x) : 1.0f; }
 
 Rgb medium_transmittance(const Medium *m, float length)
 {
-    Rgb s = medium_extinction(m);
+    Rgb s = extinction(m);
     return (Rgb){ fade(s.r, length), fade(s.g, length), fade(s.b, length) };
 }
 
@@ -76,7 +76,7 @@ static float dot(Rgb a, Rgb b) { return a.r * b.r + a.g * b.g + a.b * b.b; }
 
 bool flight_scatters(Flight *f, const Medium *m, float length, float *at, Rgb *weight)
 {
-    Rgb s = medium_extinction(m), faded;
+    Rgb s = extinction(m), faded;
     float own = f->channel == 0 ? s.r : f->channel == 1 ? s.g : s.b, pdf;
     bool ends, scatters = !rgb_black(m->scattering);
 

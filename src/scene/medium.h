@@ -13,7 +13,6 @@ typedef struct {
     float g;                    /* mean cosine of a scattering, in (-1, 1): 0 is isotropic */
 } Medium;
 
-Rgb medium_extinction(const Medium *m);
 /* The part of the light that is left after `length` scene units. */
 Rgb medium_transmittance(const Medium *m, float length);
 

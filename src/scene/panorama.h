@@ -44,6 +44,8 @@ double mapping_solid_angle(const Mapping *m);           /* of all that the pictu
 /* Of the rectangle between z and (x, y, 1): a corner of the window's plane. */
 double mapping_corner(double x, double y);
 
+/* Whether a light is written as version 3 of the scene language has it: its file is a `mapname`. */
+bool mapping_is_v3(const Opts *o);
 /* By the options `mapping` and `filename` of a light. auto: what the file calls mapname is latlong,
  * as version 3 of the scene language has it, and so is what is not square; a square is octahedral,
  * as version 4 has it. */

@@ -6,14 +6,10 @@
  * of panorama.h. */
 #include "scene/lamp.h"
 
-#include <string.h>
-
 /* Degrees across the shorter side; versions 3 and 4 of the scene language have other defaults. */
 static double field(const Opts *o)
 {
-    const Param *file = opt_param(o, "filename");
-    bool old = file && !strcmp(file->name, "mapname");
-    return old && !opt_given(o, "fov") ? 45.0 : (double)opt_float(o, "fov");
+    return mapping_is_v3(o) && !opt_given(o, "fov") ? 45.0 : (double)opt_float(o, "fov");
 }
 
 static Light *make(const Making *m, const Opts *o)

@@ -140,9 +140,10 @@ static Rgb light_from(const Sky *l, V3 d)
 
 /* ---- making it ---- */
 
+static const Mapping latlong = { MAPPING_LATLONG, 0, 0 };
+
 static V3 cell_direction(uint32_t x, uint32_t y)
 {
-    static const Mapping latlong = { MAPPING_LATLONG, 0, 0 };
     V2 p = { ((float)x + 0.5f) / CELLS_X, ((float)y + 0.5f) / CELLS_Y };
     float jacobian;
     return mapping_direction(&latlong, p, &jacobian);
@@ -165,7 +166,6 @@ static Rgb draw_sky(Sky *l)
 
 static bool draw_cells(Sky *l, Rgb albedo)
 {
-    static const Mapping latlong = { MAPPING_LATLONG, 0, 0 };
     float turn = 2.0f * PI_F * l->height;       /* the sun's solid angle */
     float sun = rgb_lum(l->sun_L) * turn, rest;
 

@@ -62,10 +62,9 @@ enum { TEXTURE_OCTAVES_MAX = 32 };      /* a float has no digits for finer ones 
 Rgb texture_eval(const Texture *t, const Surface *s);
 /* As an opacity: alpha of pictures that have it, else the grey value. */
 float texture_alpha(const Texture *t, const Surface *s);
-Rgb texture_mean(const Texture *t);     /* over the unit square, for estimates of power */
 
-/* texturemap.c: (s, t) of a point; and how far it changes over the width of the beam there, with *x
- * the same for space. 0: not known, or a ray. */
+/* texturemap.c: (s, t) of a point, and how far they change over the width of the beam there; the
+ * same for space. A width of 0: not known, or a ray. */
 V2 texture_map_st(const TextureMap *m, const Surface *s);
 V2 texture_map_width(const TextureMap *m, const Surface *s);
 V3 texture_map_space(const TextureMap *m, const Surface *s);

@@ -8,17 +8,6 @@
 
 /* ---- mappings ---- */
 
-Texture *texture_new(Reader *r, TextureKind kind)
-{
-    Texture *t = arena_take(&r->scene->arena, 1, sizeof *t);
-    if (t) {
-        t->kind = kind;
-        t->value = rgb_all(1);
-        t->map.su = t->map.sv = 1;
-    }
-    return t;
-}
-
 void texture_space(Build *b, Texture *t)
 {
     t->map.to_texture = xf_affine_inverse(&b->r->state.ctm);
@@ -76,26 +65,12 @@ bool texture_mapping(Build *b, Texture *t)
 
 /* ---- pictures ---- */
 
-bool texture_readable(const char *name)
-{
-    const char *ext = path_extension(name);
-    size_t n = strlen(ext);
-    for (size_t i = 0; image_formats[i]; i++)
-        for (const char *e = image_formats[i]->extensions; n && *e; e += strspn(e, " ")) {
-            size_t k = strcspn(e, " ");
-            if (k == n && word_is_nocase((Word){ e, k }, ext) && image_formats[i]->read)
-                return true;
-            e += k;
-        }
-    return false;
-}
-
 static Texture *picture(Reader *r, Place at, const char *name, Encoding encoding)
 {
     Making m;
     Texture *t;
 
-    if (!texture_readable(name)) {
+    if (!image_can_read(name)) {
         if (!warn_at(at, "pictures of the kind of '%.80s' cannot be read; grey 0.5 is used "
                      "(another program can convert it to PNG)", name))
             return NULL;

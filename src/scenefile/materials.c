@@ -61,14 +61,6 @@ static const Alias *find_alias(const char *name)
     return NULL;
 }
 
-static const OptDef *find_def(const OptDef *defs, const char *key)
-{
-    for (; defs && defs->key; defs++)
-        if (!strcmp(defs->key, key))
-            return defs;
-    return NULL;
-}
-
 /* ---- the parameters of another name ---- */
 
 typedef struct {                /* a list of parameters that may grow */
@@ -104,12 +96,13 @@ static void apply_alias(List *l, const Alias *a, const BsdfKind *kind)
 {
     for (int i = 0; i < 6 && a->renames[i].from; i++) {
         Param *p = find_param(l, a->renames[i].from);
-        if (p && !find_param(l, a->renames[i].to) && find_def(kind->info.options, a->renames[i].to))
+        if (p && !find_param(l, a->renames[i].to) &&
+            material_option(kind, a->renames[i].to) >= 0)
             p->name = a->renames[i].to;
     }
     for (int i = 0; i < 3 && a->presets[i].name; i++)
         if (!find_param(l, a->presets[i].name) &&
-            find_def(kind->info.options, a->presets[i].name) &&
+            material_option(kind, a->presets[i].name) >= 0 &&
             (strcmp(a->presets[i].name, "roughness") || !find_param(l, "uroughness")))
             add_number(l, a->presets[i].name, &a->presets[i].value, 1);
 }
@@ -315,19 +308,11 @@ static bool is_interface(const char *type)
     return !*type || !strcmp(type, "none") || !strcmp(type, "interface");
 }
 
-/* A parameter that is there and not 0. */
-static bool is_given(const Params *ps, const char *name)
-{
-    const Param *p = params_find(ps, name, NULL);
-    return p && (p->kind == PARAM_TEXTURE || p->kind == PARAM_STRING ||
-                 (p->n > 0 && p->numbers[0] != 0));
-}
-
 /* measured of version 4 reads files of another format than that of our model. */
 static bool is_merl(const Params *ps)
 {
     const char *name;
-    return is_given(ps, "filename") && params_string(ps, "filename", NULL, &name) &&
+    return params_given(ps, "filename") && params_string(ps, "filename", NULL, &name) &&
            strcmp(path_extension(name), "bsdf") != 0;
 }
 
@@ -336,7 +321,7 @@ static const BsdfKind *find_model(const char *type, const Params *ps, const Alia
     const BsdfKind *kind = kind_find(bsdfs, type);
 
     *alias = !kind || (!strcmp(type, "measured") && !is_merl(ps)) ? find_alias(type) : NULL;
-    if (!strcmp(type, "matte") && is_given(ps, "sigma"))
+    if (!strcmp(type, "matte") && params_given(ps, "sigma"))
         return kind_find(bsdfs, "orennayar");
     return *alias ? kind_find(bsdfs, (*alias)->kind) : kind;
 }

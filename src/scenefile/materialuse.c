@@ -8,27 +8,6 @@
 
 /* ---- textures ---- */
 
-const Texture *texture_constant(Reader *r, Rgb value)
-{
-    Texture *t = texture_new(r, TEXTURE_CONSTANT);
-    if (t)
-        t->value = value;
-    return t;
-}
-
-const Texture *texture_product(Reader *r, const Texture *a, const Texture *b)
-{
-    Texture *t;
-    if (a->kind == TEXTURE_CONSTANT && b->kind == TEXTURE_CONSTANT)
-        return texture_constant(r, rgb_mul(a->value, b->value));
-    t = texture_new(r, TEXTURE_SCALE);
-    if (t) {
-        t->a = a;
-        t->b = b;
-    }
-    return t;
-}
-
 /* What option k is, as a texture, and back. NULL: out of memory. */
 static const Texture *as_texture(Reader *r, const Material *m, int k)
 {
@@ -61,13 +40,21 @@ bool material_textures(Reader *r, Material *m, const Opts *o)
     return true;
 }
 
+int material_option(const BsdfKind *kind, const char *key)
+{
+    const OptDef *defs = kind->info.options;
+
+    for (int k = 0; defs && defs[k].key; k++)
+        if (!strcmp(defs[k].key, key))
+            return k;
+    return -1;
+}
+
 void material_put(Material *m, const char *key, const Texture *t)
 {
-    int k = 0;
+    int k = material_option(m->kind, key);
 
-    while (m->kind->info.options[k].key && strcmp(m->kind->info.options[k].key, key))
-        k++;
-    ASSERT(m->kind->info.options[k].key);
+    ASSERT(k >= 0);
     set_texture(m, k, t);
 }
 
@@ -109,7 +96,7 @@ static bool set_normals(Reader *r, const Params *ps, Material *m)
         return false;
     if (!name || !*name)
         return true;
-    if (!texture_readable(name))
+    if (!image_can_read(name))
         return warn_at(p->at, "pictures of the kind of '%.80s' cannot be read; the surface stays "
                        "even (another program can convert it to PNG)", name);
     m->slope = 1.0f;

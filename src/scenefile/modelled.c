@@ -121,8 +121,7 @@ static const OptDef torus_options[] = {
       .help = "of the ring" },
     { .key = "minorradius", .type = OPT_FLOAT, .num = 0.4, .lo = 1e-30, .hi = 1e30,
       .help = "of its tube" },
-    { .key = "phimax", .type = OPT_FLOAT, .num = 360, .lo = 1e-3, .hi = 360,
-      .help = "how far round it goes, degrees" },
+    SHAPE_PHIMAX,
     { .key = NULL }
 };
 const ShapeReader shape_torus = {
@@ -199,8 +198,7 @@ static const OptDef lathe_options[] = {
       .help = "a curve through the points, with corners where one is given twice; else straight" },
     { .key = "around", .type = OPT_INT, .num = 96, .lo = 3, .hi = 10000,
       .help = "steps of a full turn" },
-    { .key = "phimax", .type = OPT_FLOAT, .num = 360, .lo = 1e-3, .hi = 360,
-      .help = "how far round it goes, degrees" },
+    SHAPE_PHIMAX,
     { .key = NULL }
 };
 const ShapeReader shape_lathe = {

@@ -23,29 +23,57 @@
 
 /* ---- models ---- */
 
+/* Parameters as a scene file would have them. */
 typedef struct { Param p[4]; double v[4][3]; const char *s[4]; Params ps; } Made;
 
-static void made_number(Made *m, Place at, const char *name, const char *type, double a, double b,
-                        double c)
+static Param *made_param(Made *m, Place at, const char *name, const char *type, ParamType kind)
 {
-    Param *p = &m->p[m->ps.n];
-    double *v = m->v[m->ps.n++];
+    Param *p = &m->p[m->ps.n++];
+
     memset(p, 0, sizeof *p);
-    v[0] = a;
-    v[1] = b;
-    v[2] = c;
     p->name = name;
     p->type = type;
-    p->kind = PARAM_FLOAT;
+    p->kind = kind;
     p->at = at;
-    p->n = strcmp(type, "rgb") ? 1 : 3;
-    p->numbers = v;
+    p->n = 1;
     m->ps.p = m->p;
+    return p;
+}
+
+static void made_number(Made *m, Place at, const char *name, double x)
+{
+    double *v = m->v[m->ps.n];
+
+    v[0] = x;
+    made_param(m, at, name, "float", PARAM_FLOAT)->numbers = v;
 }
 
 static void made_rgb(Made *m, Place at, const char *name, Rgb c)
 {
-    made_number(m, at, name, "rgb", c.r, c.g, c.b);
+    double *v = m->v[m->ps.n];
+    Param *p = made_param(m, at, name, "rgb", PARAM_FLOAT);
+
+    v[0] = c.r;
+    v[1] = c.g;
+    v[2] = c.b;
+    p->n = 3;
+    p->numbers = v;
+}
+
+static void made_true(Made *m, Place at, const char *name)
+{
+    double *v = m->v[m->ps.n];
+
+    v[0] = 1;
+    made_param(m, at, name, "bool", PARAM_BOOL)->numbers = v;
+}
+
+static void made_string(Made *m, Place at, const char *name, const char *value)
+{
+    const char **s = &m->s[m->ps.n];
+
+    *s = value;
+    made_param(m, at, name, "string", PARAM_STRING)->strings = s;
 }
 
 static Rgb not_negative(Rgb c)
@@ -67,10 +95,9 @@ static const char *glass(const MtlMaterial *m, Made *out)
         made_rgb(out, m->at, "reflectance", at_most_one(m->ks));
     if (!rgb_black(m->tf))
         made_rgb(out, m->at, "transmittance", at_most_one(m->tf));
-    made_number(out, m->at, "eta", "float", eta, 0, 0);
+    made_number(out, m->at, "eta", eta);
     if (m->roughness > 0.0f)                    /* of which the model takes the root */
-        made_number(out, m->at, "roughness", "float", f_sqr(f_sqr(f_min(m->roughness, 1.0f))), 0,
-                    0);
+        made_number(out, m->at, "roughness", f_sqr(f_sqr(f_min(m->roughness, 1.0f))));
     return "dielectric";
 }
 
@@ -80,7 +107,7 @@ static const char *phong(const MtlMaterial *m, Rgb kd, Made *out)
     float sum = rgb_max(rgb_add(kd, ks)), k = sum > 1.0f ? 1.0f / sum : 1.0f;
     made_rgb(out, m->at, "reflectance", at_most_one(rgb_scale(kd, k)));
     made_rgb(out, m->at, "specular", at_most_one(rgb_scale(ks, k)));
-    made_number(out, m->at, "exponent", "float", f_max(0.0f, f_min(m->ns, 1e6f)), 0, 0);
+    made_number(out, m->at, "exponent", f_max(0.0f, f_min(m->ns, 1e6f)));
     return "phong";
 }
 
@@ -135,7 +162,7 @@ static bool find_map(Reader *r, const MtlMaterial *mtl, MtlMapKind kind, const c
         return false;
     if (!there)
         return warn_at(mtl->at, "the picture %s cannot be found; %s", file, otherwise);
-    if (!texture_readable(file))
+    if (!image_can_read(file))
         return warn_at(mtl->at, "pictures of the kind of %s cannot be read; %s", file, otherwise);
     *t = colour ? texture_image(r, mtl->at, file) : texture_data(r, mtl->at, file);
     if (*t)
@@ -147,15 +174,12 @@ static bool find_map(Reader *r, const MtlMaterial *mtl, MtlMapKind kind, const c
 static bool multiply(Reader *r, const MtlMaterial *mtl, MtlMapKind kind, const char *key,
                      const char *otherwise, Material *m)
 {
-    const OptDef *d = m->kind->info.options;
+    int k = material_option(m->kind, key);
     Texture *t;
-    int k = 0;
 
     if (!find_map(r, mtl, kind, otherwise, &t))
         return false;
-    while (d[k].key && strcmp(d[k].key, key))
-        k++;
-    if (!t || !d[k].key)
+    if (!t || k < 0)
         return true;
     t->value = rgb_mul(t->value, m->value[k]);
     m->texture[k] = t;
@@ -290,18 +314,6 @@ bool mtl_material(Reader *r, const MtlMaterial *mtl, uint32_t *index)
 
 /* ---- light ---- */
 
-/* One string of the parameters, in room of the caller. */
-static void made_string(Param *p, Place at, const char *name, const char *const *value)
-{
-    memset(p, 0, sizeof *p);
-    p->name = name;
-    p->type = "string";
-    p->kind = PARAM_STRING;
-    p->at = at;
-    p->n = 1;
-    p->strings = value;
-}
-
 /* The name of the map of light, if there is one that can be read; else "". */
 static bool light_map(Reader *r, const MtlMaterial *m, const char **name)
 {
@@ -317,13 +329,9 @@ static bool light_map(Reader *r, const MtlMaterial *m, const char **name)
 
 bool mtl_light(Reader *r, const MtlMaterial *m, const AreaLight **area)
 {
-    static const double yes = 1;
-    const LightKind *kind = NULL;
     AreaLight *a;
     const char *picture;
-    Param p[3];
     Made made;
-    Params ps = { p, 2 };
     bool shines = m->has_ke && rgb_max(m->ke) > 0.0f;
 
     *area = NULL;
@@ -331,25 +339,17 @@ bool mtl_light(Reader *r, const MtlMaterial *m, const AreaLight **area)
         return false;
     if (!shines && !*picture)
         return true;
-    for (size_t i = 0; lights[i]; i++)
-        if (!strcmp(lights[i]->info.name, "diffuse"))
-            kind = lights[i];
     a = arena_take(&r->out->arena, 1, sizeof *a);
-    if (!a || !kind)
-        return a != NULL;
+    if (!a)
+        return false;
     memset(&made, 0, sizeof made);
     made_rgb(&made, m->at, "L", shines ? not_negative(m->ke) : rgb_all(1.0f));
-    p[0] = p[1] = made.p[0];
-    p[1].name = "twosided";
-    p[1].type = "bool";
-    p[1].kind = PARAM_BOOL;
-    p[1].n = 1;
-    p[1].numbers = &yes;
+    made_true(&made, m->at, "twosided");
     if (*picture)
-        made_string(&p[ps.n++], m->at, "filename", &picture);
-    if (!params_keep(&r->out->arena, &ps, NULL, &a->params))
+        made_string(&made, m->at, "filename", picture);
+    if (!params_keep(&r->out->arena, &made.ps, NULL, &a->params))
         return false;
-    a->kind = kind;
+    a->kind = kind_find(lights, "diffuse");
     a->at = m->at;
     *area = a;
     return true;

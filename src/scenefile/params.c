@@ -211,14 +211,42 @@ static bool read_values(Reader *r, Param *p, Form form)
 
 /* ---- spectra ---- */
 
-/* A file of lines "nm value". */
+/* The numbers of a file of lines "nm value", in *v, which the caller frees in any case. */
+static bool read_pairs(Text *t, double **v, size_t *n)
+{
+    static const char what[] = "a spectrum file holds pairs of wavelength (nm) and value";
+    size_t cap = 0;
+
+    for (;;) {
+        Place here;
+        float x;
+        text_space(t);
+        here = text_place(t);
+        if (text_peek(t) == '#') {
+            Text comment;
+            text_line(t, &comment);
+            continue;
+        }
+        if (text_done(t))
+            break;
+        if (!text_float(t, &x) || !is_finite(x))
+            return err_at(here, "%s", what);
+        if (*n % 2 == 0 && *n && x <= (*v)[*n - 2])
+            return err_at(here, "wavelengths must rise");
+        if (!MEM_PUSH(*v, *n, cap, x))
+            return false;
+    }
+    return (*n >= 2 && *n % 2 == 0) || err_at((Place){ t->file, 0, 0 }, "%s", what);
+}
+
+/* Such a file. */
 static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, double rgb[3])
 {
     char *path = reader_path(r, at, name);
     FileBytes f;
     Text t;
     double *pairs = NULL;
-    size_t n = 0, cap = 0;
+    size_t n = 0;
     bool ok = path && reader_file(r, at, path, &f);
 
     if (!ok) {
@@ -226,28 +254,7 @@ static bool read_spd(Reader *r, Place at, const char *name, SpectrumUse use, dou
         return false;
     }
     text_init(&t, path, f.bytes, f.size);
-    for (;;) {
-        Place here;
-        float v;
-        text_space(&t);
-        here = text_place(&t);
-        if (text_peek(&t) == '#') {
-            Text comment;
-            text_line(&t, &comment);
-            continue;
-        }
-        if (text_done(&t))
-            break;
-        if (!text_float(&t, &v) || !is_finite(v))
-            ok = err_at(here, "a spectrum file holds pairs of wavelength (nm) and value");
-        else if (n % 2 == 0 && n && v <= pairs[n - 2])
-            ok = err_at(here, "wavelengths must rise");
-        if (!ok || !(ok = MEM_PUSH(pairs, n, cap, v)))
-            break;
-    }
-    if (ok && (n < 2 || n % 2))
-        ok = err_at((Place){ path, 0, 0 },
-                    "a spectrum file holds pairs of wavelength (nm) and value");
+    ok = read_pairs(&t, &pairs, &n);
     if (ok)
         spectrum_from_samples(r->cie, pairs, n / 2, use, rgb);
     mem_free(pairs);

@@ -97,6 +97,16 @@ bool params_numbers(const Params *ps, const char *name, size_t n, double *v)
     return true;
 }
 
+bool params_given(const Params *ps, const char *name)
+{
+    const Param *p = params_find(ps, name, NULL);
+    bool given = p && (p->kind == PARAM_TEXTURE || p->kind == PARAM_STRING);
+
+    for (size_t i = 0; p && !given && i < p->n; i++)
+        given = p->numbers[i] != 0;
+    return given;
+}
+
 static bool in_list(const char *const *list, const char *name)
 {
     while (*list && strcmp(*list, name))

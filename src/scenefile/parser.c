@@ -36,7 +36,7 @@ static const Entry directives[] = {
     { "LightSource", do_light_source, WORLD_ONLY },
     { "LookAt", do_look_at, ANYWHERE },
     { "MakeNamedMaterial", do_make_named_material, WORLD_ONLY },
-    { "MakeNamedMedium", do_medium, ANYWHERE },
+    { "MakeNamedMedium", do_make_named_medium, ANYWHERE },
     { "Material", do_material, WORLD_ONLY },
     { "MediumInterface", do_medium_interface, ANYWHERE },
     { "NamedMaterial", do_named_material, WORLD_ONLY },

@@ -165,16 +165,6 @@ static bool value_or(Reader *r, const Params *ps, const char *name, float otherw
     return material_value(r, ps, name, t) && (*t || constant(r, otherwise, t));
 }
 
-static bool is_asked(const Params *ps, const char *name)
-{
-    const Param *p = params_find(ps, name, NULL);
-    bool asked = p && (p->kind == PARAM_TEXTURE || p->kind == PARAM_STRING);
-
-    for (size_t i = 0; p && !asked && i < p->n; i++)
-        asked = p->numbers[i] != 0;
-    return asked;
-}
-
 static bool warn_of_missing(Place at, const Params *ps)
 {
     static const char *const names[] = { "sheen", "flatness", "speculartint", "scatterdistance",
@@ -184,7 +174,7 @@ static bool warn_of_missing(Place at, const Params *ps)
     size_t n = 0;
 
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (is_asked(ps, names[i])) {
+        if (params_given(ps, names[i])) {
             memcpy(list + n, n ? ", " : "  ", 2);
             n += 2;
             memcpy(list + n, names[i], strlen(names[i]) + 1);

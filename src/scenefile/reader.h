@@ -18,7 +18,8 @@ enum {
     INCLUDES_MAX = 16384        /* Include and Import directives that are carried out */
 };
 #define GENERATED_MAX ((uint64_t)1 << 22)       /* triangles made of curved shapes in one scene */
-#define MATERIAL_NONE (UINT32_MAX - 1)                /* surfaces that are left out: "interface" */
+#define MATERIAL_NONE (UINT32_MAX - 1)          /* surfaces that are left out: "interface" */
+#define MEDIUM_LEFT_OUT (NO_MEDIUM - 1)         /* a name of one that is not supported */
 
 /* The parameters of the directive being read. Emptied, not freed, between directives. */
 typedef struct { size_t name, type, first; } ParamSpan;
@@ -159,6 +160,7 @@ void pool_clear(ParamPool *p);
 bool params_string(const Params *ps, const char *name, const char *otherwise, const char **s);
 /* n numbers by name; untouched if not given. False: of the wrong type or count, reported. */
 bool params_numbers(const Params *ps, const char *name, size_t n, double *v);
+bool params_given(const Params *ps, const char *name);   /* it is there and not 0 */
 /* Fits parameters to a table: colours become numbers where the table wants one (room has a row
  * each); parameters that the table has not and that say how to compute, not what, pass silently. */
 void params_fit(Params *ps, const OptDef *defs, double (*room)[3]);
@@ -213,13 +215,14 @@ bool do_area_light_source(Reader *r, Place at);
 bool lightsource_shine(Reader *r, const AreaLight *area, uint32_t shape, Place at);
 
 bool do_texture(Reader *r, Place at);           /* textures.c, imagemaps.c */
+const Texture *texture_constant(Reader *r, Rgb value);          /* NULL: memory, reported */
+const Texture *texture_product(Reader *r, const Texture *a, const Texture *b);  /* likewise */
 /* A texture by its name, of either type, the wanted one first. *t NULL: unknown, warned of. */
 bool texture_find(Reader *r, Place at, const char *name, bool colour, const Texture **t);
 /* A picture as a texture, repeated and bilinear; grey 0.5 with a warning if pictures of that kind
  * cannot be read. */
 Texture *texture_image(Reader *r, Place at, const char *name);
 Texture *texture_data(Reader *r, Place at, const char *name);   /* numbers as stored: no colours */
-bool texture_readable(const char *name);        /* by its extension */
 
 bool do_material(Reader *r, Place at);          /* materials.c */
 bool do_make_named_material(Reader *r, Place at);
@@ -237,8 +240,8 @@ bool principled_make(Reader *r, Place at, const Principled *p, const char *name,
 /* The material `disney` of version 3. */
 bool disney_make(Reader *r, Place at, const Params *ps, const char *name, uint32_t *index);
 
-const Texture *texture_constant(Reader *r, Rgb value);          /* materialuse.c; NULL: memory */
-const Texture *texture_product(Reader *r, const Texture *a, const Texture *b);
+/* materialuse.c: which of the model's options has this key; -1: none. */
+int material_option(const BsdfKind *kind, const char *key);
 /* A texture as what option `key` of the material's model is. */
 void material_put(Material *m, const char *key, const Texture *t);
 /* A colour, a number or a texture that no table has. *t NULL: not given. False: reported. */
@@ -252,7 +255,7 @@ bool material_textures(Reader *r, Material *m, const Opts *o);
 bool material_extras(Reader *r, const char *type, const Params *ps, Material *m);
 void material_extras_known(const Params *ps, const char *type);
 
-bool do_medium(Reader *r, Place at);            /* surfaces.c */
+bool do_make_named_medium(Reader *r, Place at); /* surfaces.c */
 bool do_medium_interface(Reader *r, Place at);
 /* The mask ("alpha") of the shape that is being read, in r->mask; *nowhere: nothing is left. */
 bool surface_mask(Reader *r, const Params *ps, bool *nowhere);

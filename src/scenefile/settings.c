@@ -113,7 +113,7 @@ bool do_camera(Reader *r, Place at)
 bool do_option(Reader *r, Place at)
 {
     Params ps;
-    (void)at;
+
     if (!params_read(r, SPECTRUM_ALBEDO, &ps))
         return false;
     if (!ps.n)
@@ -124,15 +124,11 @@ bool do_option(Reader *r, Place at)
     return true;
 }
 
-static bool skip_params(Reader *r)
-{
-    Params ps;
-    return params_read(r, SPECTRUM_ALBEDO, &ps);
-}
-
 bool do_volume_integrator(Reader *r, Place at)
 {
     Token t;
-    return reader_string(r, "the name of the volume integrator", &t) && skip_params(r) &&
+    Params ps;
+    return reader_string(r, "the name of the volume integrator", &t) &&
+           params_read(r, SPECTRUM_ALBEDO, &ps) &&
            warn_at(at, "VolumeIntegrator is left out: \"path\" follows light through media");
 }

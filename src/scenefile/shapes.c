@@ -281,80 +281,26 @@ static bool read_disk(Reader *r, Place at, const Params *ps, const Opts *o)
 
 /* ---- the table ---- */
 
-#define RADIUS { .key = "radius", .type = OPT_FLOAT, .num = 1, .lo = 1e-30, .hi = 1e30, \
-                 .help = "scene units" }
-#define PHIMAX { .key = "phimax", .type = OPT_FLOAT, .num = 360, .lo = 1e-3, .hi = 360, \
-                 .help = "how far round it goes, degrees" }
-#define FILENAME { .key = "filename", .type = OPT_STRING, .str = "", \
-                   .help = "the file, as seen from that of the scene" }
-#define ZRANGE(key_, num_, help_) \
-    { .key = key_, .type = OPT_FLOAT, .num = num_, .lo = -1e30, .hi = 1e30, .help = help_ }
-
-#define SUBDIVISION \
-    { .key = "subdivision", .type = OPT_CHOICE, .str = "rectangular", \
-      .choices = "rectangular triangular", .help = "of the grid" }
-#define NUMBER_BITS \
-    { .key = "bits", .type = OPT_INT, .num = 32, .lo = 16, .hi = 32, \
-      .help = "of a number of a point: 32, or 16 for fractions of their range" }
-
-static const OptDef none[] = { { .key = NULL } };
-static const OptDef file_options[] = { FILENAME, { .key = NULL } };
+static const OptDef file_options[] = {
+    { .key = "filename", .type = OPT_STRING, .str = "",
+      .help = "the file, as seen from that of the scene" },
+    { .key = NULL }
+};
 static const OptDef sphere_options[] = {
-    RADIUS, ZRANGE("zmin", -1, "cut off below; if not given, at -radius"),
-    ZRANGE("zmax", 1, "cut off above; if not given, at radius"), PHIMAX, { .key = NULL }
+    SHAPE_RADIUS, SHAPE_ALONG_Z("zmin", -1, "cut off below; if not given, at -radius"),
+    SHAPE_ALONG_Z("zmax", 1, "cut off above; if not given, at radius"), SHAPE_PHIMAX,
+    { .key = NULL }
 };
 static const OptDef disk_options[] = {
-    RADIUS, ZRANGE("height", 0, "along z"),
+    SHAPE_RADIUS, SHAPE_ALONG_Z("height", 0, "along z"),
     { .key = "innerradius", .type = OPT_FLOAT, .num = 0, .lo = 0, .hi = 1e30,
       .help = "of the hole" },
-    PHIMAX, { .key = NULL }
-};
-static const OptDef cylinder_options[] = {
-    RADIUS, ZRANGE("zmin", -1, "lower end"), ZRANGE("zmax", 1, "upper end"), PHIMAX, { .key = NULL }
-};
-static const OptDef cone_options[] = {
-    RADIUS, ZRANGE("height", 1, "of the tip"), PHIMAX, { .key = NULL }
-};
-static const OptDef paraboloid_options[] = {
-    RADIUS, ZRANGE("zmin", 0, "lower end"), ZRANGE("zmax", 1, "upper end, where radius holds"),
-    PHIMAX, { .key = NULL }
-};
-static const OptDef hyperboloid_options[] = {
-    { .key = "p1", .type = OPT_POINT, .num = 0, .help = "one end of the line that turns" },
-    { .key = "p2", .type = OPT_POINT, .str = "1 1 1", .help = "its other end" },
-    PHIMAX, { .key = NULL }
-};
-static const OptDef loop_options[] = {
-    { .key = "levels", .type = OPT_INT, .num = 3, .lo = 0, .hi = 10, .also = "nlevels",
-      .help = "each makes four triangles of one" },
-    { .key = "scheme", .type = OPT_STRING, .str = "loop", .help = "read, without effect" },
-    { .key = NULL }
-};
-static const OptDef height_options[] = {
-    { .key = "nu", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along u" },
-    { .key = "nv", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along v" },
-    SUBDIVISION, NUMBER_BITS,
-    { .key = "rule", .type = OPT_CHOICE, .str = "none", .choices = "none hills",
-      .help = "what makes the heights, if Pz does not" },
-    { .key = "smooth", .type = OPT_BOOL, .help = "shaded as a surface, not as triangles" },
-    { .key = NULL }
-};
-static const OptDef image_options[] = {
-    { .key = "surface", .type = OPT_CHOICE, .str = "sphere", .choices = "sphere torus patch",
-      .help = "what it is an image of" },
-    { .key = "side", .type = OPT_INT, .num = 64, .lo = 2, .hi = 1e5, .help = "cells a side" },
-    RADIUS,
-    { .key = "minorradius", .type = OPT_FLOAT, .num = 0.4, .lo = 1e-30, .hi = 1e30,
-      .help = "of the tube of a torus" },
-    SUBDIVISION, NUMBER_BITS,
-    { .key = "smooth", .type = OPT_BOOL, .num = 1,
-      .help = "shaded as a surface, not as triangles" },
-    { .key = NULL }
+    SHAPE_PHIMAX, { .key = NULL }
 };
 
 static const ShapeReader trianglemesh = {
     { "trianglemesh", "PBRT4 6.5", "triangles: point3 P, integer indices, normal N, point2 uv",
-      none },
+      NULL },
     read_trianglemesh
 };
 static const ShapeReader plymesh = {
@@ -363,53 +309,21 @@ static const ShapeReader plymesh = {
 static const ShapeReader obj = {
     { "obj", "Wavefront", "an OBJ file with its materials", file_options }, read_obj
 };
-static const ShapeReader loopsubdiv = {
-    { "loopsubdiv", "Loop87", "a mesh made smooth: point3 P, integer indices", loop_options },
-    shape_read_loop
-};
 static const ShapeReader sphere = {
     { "sphere", "PBRT4 6.2", "a sphere, or a part of one", sphere_options }, read_sphere
 };
 static const ShapeReader disk = {
     { "disk", "PBRT4 6.4", "a disc, a ring or a sector of one", disk_options }, read_disk
 };
-static const ShapeReader cylinder = {
-    { "cylinder", "PBRT4 6.3", "round z, open at the ends; of triangles", cylinder_options },
-    shape_read_cylinder
-};
-static const ShapeReader cone = {
-    { "cone", "PBRT3 3.5", "round z, open below; of triangles", cone_options }, shape_read_cone
-};
-static const ShapeReader paraboloid = {
-    { "paraboloid", "PBRT3 3.5", "round z; of triangles", paraboloid_options },
-    shape_read_paraboloid
-};
-static const ShapeReader hyperboloid = {
-    { "hyperboloid", "PBRT3 3.5", "a line turned round z; of triangles", hyperboloid_options },
-    shape_read_hyperboloid
-};
-static const ShapeReader bilinearmesh = {
-    { "bilinearmesh", "PBRT4 6.6", "patches between four points; of triangles", none },
-    shape_read_bilinear
-};
-static const ShapeReader heightfield = {
-    { "heightfield", "PBRT2 3.7; Cline07 3.2.2", "nu x nv heights Pz over the unit square",
-      height_options },
-    shape_read_heights
-};
-static const ShapeReader geometryimage = {
-    { "geometryimage", "Cline07 3.2.2", "a grid of points on a surface made by rule",
-      image_options },
-    shape_read_image
-};
 static const ShapeReader nurbs = {
-    { "nurbs", "PBRT3 3.8", "not supported: left out with a warning", none }, NULL
+    { "nurbs", "PBRT3 3.8", "not supported: left out with a warning", NULL }, NULL
 };
 
 const ShapeReader *const shape_readers[] = {
-    &trianglemesh, &plymesh, &obj, &loopsubdiv, &sphere, &disk, &cylinder, &cone, &paraboloid,
-    &hyperboloid, &bilinearmesh, &heightfield, &geometryimage, &shape_curve, &shape_torus,
-    &shape_box, &shape_lathe, &shape_generated, &nurbs, NULL
+    &trianglemesh, &plymesh, &obj, &shape_loopsubdiv, &sphere, &disk, &shape_cylinder, &shape_cone,
+    &shape_paraboloid, &shape_hyperboloid, &shape_bilinearmesh, &shape_heightfield,
+    &shape_geometryimage, &shape_curve, &shape_torus, &shape_box, &shape_lathe, &shape_generated,
+    &nurbs, NULL
 };
 
 /* ---- the directive ---- */

@@ -23,25 +23,27 @@ bool shape_finish(Reader *r, Place at, Mesh *m, bool ok);
 bool shape_traits(Reader *r, ShapeTraits *traits);
 bool shape_not_finite(Place at, const char *what, size_t i);    /* false: reported, always */
 
-/* ---- modelled.c ---- */
-
-extern const ShapeReader shape_curve, shape_torus, shape_box, shape_lathe, shape_generated;
-
-/* ---- tessellated.c ---- */
-
+/* tessellated.c: adds one made of triangles; and what a stretched sphere or disc becomes. */
 bool shape_add_quadric(Reader *r, Place at, const Quadric *q);
 bool shape_distorted_sphere(Reader *r, Place at, const Opts *o, float zmin, float zmax);
 bool shape_distorted_disk(Reader *r, Place at, const Opts *o);
-bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_loop(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o);
 
-/* ---- tessellations.c ---- */
+/* ---- options that several have ---- */
 
-bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o);
-bool shape_read_image(Reader *r, Place at, const Params *ps, const Opts *o);
+#define SHAPE_RADIUS \
+    { .key = "radius", .type = OPT_FLOAT, .num = 1, .lo = 1e-30, .hi = 1e30, \
+      .help = "scene units" }
+#define SHAPE_PHIMAX \
+    { .key = "phimax", .type = OPT_FLOAT, .num = 360, .lo = 1e-3, .hi = 360, \
+      .help = "how far round it goes, degrees" }
+#define SHAPE_ALONG_Z(key_, num_, help_) \
+    { .key = key_, .type = OPT_FLOAT, .num = num_, .lo = -1e30, .hi = 1e30, .help = help_ }
+
+/* ---- those of other files than shapes.c ---- */
+
+extern const ShapeReader shape_curve, shape_torus, shape_box, shape_lathe, shape_generated;
+extern const ShapeReader shape_cylinder, shape_cone, shape_paraboloid, shape_hyperboloid;
+extern const ShapeReader shape_loopsubdiv, shape_bilinearmesh;          /* tessellated.c */
+extern const ShapeReader shape_heightfield, shape_geometryimage;        /* tessellations.c */
 
 #endif

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct { double nm, n, k; } Nk;
@@ -119,12 +120,18 @@ bool spectrum_named(const Cie *c, const char *name, SpectrumUse use, double rgb[
 
 const char *spectrum_hint(const char *name, char hint[HINT_MAX])
 {
-    static const char *const names[] = {
-        "metal-Ag-eta", "metal-Ag-k", "metal-Al-eta", "metal-Al-k", "metal-Au-eta", "metal-Au-k",
-        "metal-Cu-eta", "metal-Cu-k", "metal-CuZn-eta", "metal-CuZn-k", "metal-MgO-eta",
-        "metal-MgO-k", "metal-TiO2-eta", "metal-TiO2-k", "glass-BK7", "glass-BAF10", "glass-FK51A",
-        "glass-LASF9", "glass-SF5", "glass-SF10", "glass-SF11", "stdillum-A", "stdillum-D50",
-        "stdillum-D65", "illum-acesD60", "stdillum-F2", "stdillum-F7", "stdillum-F11"
-    };
-    return hint_nearest(hint, name, names, COUNT(names));
+    static const char *const parts[2] = { "-eta", "-k" };
+    char of_metals[2 * COUNT(metals)][20];
+    const char *names[2 * COUNT(metals) + COUNT(glasses) + COUNT(illuminants)];
+    size_t n = 0;
+
+    for (; n < 2 * COUNT(metals); n++) {
+        snprintf(of_metals[n], sizeof of_metals[n], "%s%s", metals[n / 2].name, parts[n % 2]);
+        names[n] = of_metals[n];
+    }
+    for (size_t i = 0; i < COUNT(glasses); i++)
+        names[n++] = glasses[i].name;
+    for (size_t i = 0; i < COUNT(illuminants); i++)
+        names[n++] = illuminants[i].name;
+    return hint_nearest(hint, name, names, n);
 }

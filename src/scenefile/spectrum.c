@@ -1,4 +1,4 @@
-/* spectrum.c -- from spectra to linear RGB with the primaries and the white of Rec. 709.
+/* spectrum.c -- from spectra to linear RGB with the primaries and the white of BT.709.
  *
  * Source      [Wyman13] "Simple Analytic Approximations to the CIE XYZ Color Matching Functions",
  *             section 2.2: sums of Gaussians whose two flanks differ in width. Their error is below

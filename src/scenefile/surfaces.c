@@ -148,7 +148,7 @@ static const char *type_of(const Params *ps)
 }
 
 /* MakeNamedMedium "name" "string type" "homogeneous" ... */
-bool do_medium(Reader *r, Place at)
+bool do_make_named_medium(Reader *r, Place at)
 {
     Param list[PARAMS_MAX + DEFAULTS_MAX];
     Params ps, all;
@@ -162,7 +162,7 @@ bool do_medium(Reader *r, Place at)
     if (strcmp(type_of(&all), "homogeneous"))
         return warn_at(at, "media of type '%.60s' are not supported; it is left out",
                        type_of(&all)) &&
-               names_set(&r->media, &r->out->arena, name, NO_MEDIUM - 1);
+               names_set(&r->media, &r->out->arena, name, MEDIUM_LEFT_OUT);
     return medium_make(r, name, &all);
 }
 
@@ -182,7 +182,7 @@ static bool find_medium(Reader *r, const Token *t, uint32_t *index)
         return warn_at(t->at, "unknown medium '%.80s'%s; nothing is there", name,
                        names_hint(&r->media, name, hint));
     }
-    if (*index == NO_MEDIUM - 1)
+    if (*index == MEDIUM_LEFT_OUT)
         *index = NO_MEDIUM;
     return true;
 }

@@ -65,7 +65,7 @@ bool shape_distorted_disk(Reader *r, Place at, const Opts *o)
     return shape_add_quadric(r, at, &q);
 }
 
-bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o)
+static bool read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Quadric q = quadric(QUADRIC_CYLINDER, o);
     (void)ps;
@@ -75,7 +75,16 @@ bool shape_read_cylinder(Reader *r, Place at, const Params *ps, const Opts *o)
     return shape_add_quadric(r, at, &q);
 }
 
-bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o)
+static const OptDef cylinder_options[] = {
+    SHAPE_RADIUS, SHAPE_ALONG_Z("zmin", -1, "lower end"), SHAPE_ALONG_Z("zmax", 1, "upper end"),
+    SHAPE_PHIMAX, { .key = NULL }
+};
+const ShapeReader shape_cylinder = {
+    { "cylinder", "PBRT4 6.3", "round z, open at the ends; of triangles", cylinder_options },
+    read_cylinder
+};
+
+static bool read_cone(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Quadric q = quadric(QUADRIC_CONE, o);
     (void)ps;
@@ -84,7 +93,14 @@ bool shape_read_cone(Reader *r, Place at, const Params *ps, const Opts *o)
     return shape_add_quadric(r, at, &q);
 }
 
-bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
+static const OptDef cone_options[] = {
+    SHAPE_RADIUS, SHAPE_ALONG_Z("height", 1, "of the tip"), SHAPE_PHIMAX, { .key = NULL }
+};
+const ShapeReader shape_cone = {
+    { "cone", "PBRT3 3.5", "round z, open below; of triangles", cone_options }, read_cone
+};
+
+static bool read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Quadric q = quadric(QUADRIC_PARABOLOID, o);
     (void)ps;
@@ -94,7 +110,17 @@ bool shape_read_paraboloid(Reader *r, Place at, const Params *ps, const Opts *o)
     return shape_add_quadric(r, at, &q);
 }
 
-bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o)
+static const OptDef paraboloid_options[] = {
+    SHAPE_RADIUS, SHAPE_ALONG_Z("zmin", 0, "lower end"),
+    SHAPE_ALONG_Z("zmax", 1, "upper end, where radius holds"),
+    SHAPE_PHIMAX, { .key = NULL }
+};
+const ShapeReader shape_paraboloid = {
+    { "paraboloid", "PBRT3 3.5", "round z; of triangles", paraboloid_options },
+    read_paraboloid
+};
+
+static bool read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Quadric q = quadric(QUADRIC_HYPERBOLOID, o);
     (void)ps;
@@ -102,6 +128,16 @@ bool shape_read_hyperboloid(Reader *r, Place at, const Params *ps, const Opts *o
     q.p2 = opt_point(o, "p2");
     return shape_add_quadric(r, at, &q);
 }
+
+static const OptDef hyperboloid_options[] = {
+    { .key = "p1", .type = OPT_POINT, .num = 0, .help = "one end of the line that turns" },
+    { .key = "p2", .type = OPT_POINT, .str = "1 1 1", .help = "its other end" },
+    SHAPE_PHIMAX, { .key = NULL }
+};
+const ShapeReader shape_hyperboloid = {
+    { "hyperboloid", "PBRT3 3.5", "a line turned round z; of triangles", hyperboloid_options },
+    read_hyperboloid
+};
 
 /* ---- Loop subdivision ---- */
 
@@ -117,7 +153,7 @@ static bool subdivide(Reader *r, Place at, Mesh *m, int levels)
     return warn_at(at, "the mesh is not a manifold with one front; it is used without subdivision");
 }
 
-bool shape_read_loop(Reader *r, Place at, const Params *ps, const Opts *o)
+static bool read_loop(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Mesh m;
     bool ok;
@@ -127,6 +163,17 @@ bool shape_read_loop(Reader *r, Place at, const Params *ps, const Opts *o)
          subdivide(r, at, &m, (int)opt_int(o, "levels"));
     return shape_finish(r, at, &m, ok);
 }
+
+static const OptDef loop_options[] = {
+    { .key = "levels", .type = OPT_INT, .num = 3, .lo = 0, .hi = 10, .also = "nlevels",
+      .help = "each makes four triangles of one" },
+    { .key = "scheme", .type = OPT_STRING, .str = "loop", .help = "read, without effect" },
+    { .key = NULL }
+};
+const ShapeReader shape_loopsubdiv = {
+    { "loopsubdiv", "Loop87", "a mesh made smooth: point3 P, integer indices", loop_options },
+    read_loop
+};
 
 /* ---- bilinear patches ---- */
 
@@ -207,7 +254,7 @@ static bool patches(Reader *r, Place at, const Mesh *m, const Param *p, Mesh *fi
     return true;
 }
 
-bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o)
+static bool read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     Mesh m, fine;
     const Param *p;
@@ -221,3 +268,8 @@ bool shape_read_bilinear(Reader *r, Place at, const Params *ps, const Opts *o)
     mesh_clear(&m);
     return shape_finish(r, at, &fine, ok);
 }
+
+const ShapeReader shape_bilinearmesh = {
+    { "bilinearmesh", "PBRT4 6.6", "patches between four points; of triangles", NULL },
+    read_bilinear
+};

@@ -11,6 +11,13 @@ enum { CHEAPER = 4 };
 static bool is_triangular(const Opts *o) { return opt_is(o, "subdivision", "triangular"); }
 static int bits_of(const Opts *o) { return opt_int(o, "bits") < 32 ? 16 : 32; }
 
+#define SUBDIVISION \
+    { .key = "subdivision", .type = OPT_CHOICE, .str = "rectangular", \
+      .choices = "rectangular triangular", .help = "of the grid" }
+#define NUMBER_BITS \
+    { .key = "bits", .type = OPT_INT, .num = 32, .lo = 16, .hi = 32, \
+      .help = "of a number of a point: 32, or 16 for fractions of their range" }
+
 /* Adds it with the material and light of the moment; takes it over. Fronts are as for meshes
  * without normals, see shapes.c. */
 static bool add(Reader *r, Place at, Tessellation *t, bool smooth)
@@ -94,7 +101,7 @@ static bool find_heights(Reader *r, Place at, const Params *ps, const Opts *o, c
     return true;
 }
 
-bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o)
+static bool read_heights(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     const Transform *map = &r->state.ctm;
     const Param *p;
@@ -112,9 +119,24 @@ bool shape_read_heights(Reader *r, Place at, const Params *ps, const Opts *o)
     return add(r, at, &t, opt_bool(o, "smooth"));
 }
 
+static const OptDef height_options[] = {
+    { .key = "nu", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along u" },
+    { .key = "nv", .type = OPT_INT, .num = 0, .lo = 2, .hi = 1e9, .help = "points along v" },
+    SUBDIVISION, NUMBER_BITS,
+    { .key = "rule", .type = OPT_CHOICE, .str = "none", .choices = "none hills",
+      .help = "what makes the heights, if Pz does not" },
+    { .key = "smooth", .type = OPT_BOOL, .help = "shaded as a surface, not as triangles" },
+    { .key = NULL }
+};
+const ShapeReader shape_heightfield = {
+    { "heightfield", "PBRT2 3.7; Cline07 3.2.2", "nu x nv heights Pz over the unit square",
+      height_options },
+    read_heights
+};
+
 /* ---- geometry images ---- */
 
-bool shape_read_image(Reader *r, Place at, const Params *ps, const Opts *o)
+static bool read_image(Reader *r, Place at, const Params *ps, const Opts *o)
 {
     ImageForm f = { is_triangular(o), (uint32_t)opt_int(o, "side"), bits_of(o), &r->state.ctm };
     uint64_t faces = (f.triangular ? 1 : 2) * (uint64_t)f.side * f.side;
@@ -138,3 +160,21 @@ bool shape_read_image(Reader *r, Place at, const Params *ps, const Opts *o)
         ok = image_sphere(&t, f, radius);
     return ok && add(r, at, &t, opt_bool(o, "smooth"));
 }
+
+static const OptDef image_options[] = {
+    { .key = "surface", .type = OPT_CHOICE, .str = "sphere", .choices = "sphere torus patch",
+      .help = "what it is an image of" },
+    { .key = "side", .type = OPT_INT, .num = 64, .lo = 2, .hi = 1e5, .help = "cells a side" },
+    SHAPE_RADIUS,
+    { .key = "minorradius", .type = OPT_FLOAT, .num = 0.4, .lo = 1e-30, .hi = 1e30,
+      .help = "of the tube of a torus" },
+    SUBDIVISION, NUMBER_BITS,
+    { .key = "smooth", .type = OPT_BOOL, .num = 1,
+      .help = "shaded as a surface, not as triangles" },
+    { .key = NULL }
+};
+const ShapeReader shape_geometryimage = {
+    { "geometryimage", "Cline07 3.2.2", "a grid of points on a surface made by rule",
+      image_options },
+    read_image
+};

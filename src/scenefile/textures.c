@@ -1,8 +1,42 @@
-/* textures.c -- the Texture directive: its classes, of constants and other textures. Pictures are
- * in imagemaps.c. */
+/* textures.c -- textures and their names, and the Texture directive: its classes, of constants and
+ * other textures. Pictures are in imagemaps.c. */
 #include "scenefile/textures.h"
 
 #include <string.h>
+
+/* ---- made and found ---- */
+
+Texture *texture_new(Reader *r, TextureKind kind)
+{
+    Texture *t = arena_take(&r->scene->arena, 1, sizeof *t);
+    if (t) {
+        t->kind = kind;
+        t->value = rgb_all(1);
+        t->map.su = t->map.sv = 1;
+    }
+    return t;
+}
+
+const Texture *texture_constant(Reader *r, Rgb value)
+{
+    Texture *t = texture_new(r, TEXTURE_CONSTANT);
+    if (t)
+        t->value = value;
+    return t;
+}
+
+const Texture *texture_product(Reader *r, const Texture *a, const Texture *b)
+{
+    Texture *t;
+    if (a->kind == TEXTURE_CONSTANT && b->kind == TEXTURE_CONSTANT)
+        return texture_constant(r, rgb_mul(a->value, b->value));
+    t = texture_new(r, TEXTURE_SCALE);
+    if (t) {
+        t->a = a;
+        t->b = b;
+    }
+    return t;
+}
 
 static uint32_t find_index(const Reader *r, const char *name, bool colour)
 {
