@@ -114,16 +114,10 @@ void lab_init(Lab *l)
     REQUIRE(l->scene, "no scene");
 }
 
-static void close_integrator(Lab *l)
-{
-    if (l->integrator)
-        l->integrator->kind->close(l->integrator);
-    l->integrator = NULL;
-}
-
 void lab_clear(Lab *l)
 {
-    close_integrator(l);
+    integrator_close(l->integrator);
+    l->integrator = NULL;
     scene_free(l->scene);
     mem_free(l->opts);
     arena_clear(&l->arena);
@@ -335,24 +329,22 @@ void lab_open(Lab *l, const char *method)
 {
     const IntegratorKind *k;
 
-    close_integrator(l);
+    integrator_close(l->integrator);
     mem_free(l->opts);
     l->opts = MEM_NEW(Opts);
     REQUIRE(l->opts, "memory");
     k = lab_method(l, method, l->opts);
-    l->integrator = k->open(l->scene, l->opts);
+    l->integrator = integrator_open(k, l->scene, l->opts);
     REQUIRE(l->integrator, "%s", method);
-    l->integrator->kind = k;
 }
 
 bool lab_opens(Lab *l, const char *method)
 {
     Opts o;
     const IntegratorKind *k = lab_method(l, method, &o);
-    Integrator *it = k->open(l->scene, &o);
+    Integrator *it = integrator_open(k, l->scene, &o);
 
-    if (it)
-        k->close(it);
+    integrator_close(it);
     return it != NULL;
 }
 

@@ -254,19 +254,3 @@ const IntegratorKind integrator_direct = {
     .open = open_direct, .close = close_direct, .radiance = radiance, .prepare = prepare,
     .phases = 1, .units = units, .run = run, .save = save, .load = load
 };
-
-Integrator *direct_open(const Scene *s, const Opts *of)
-{
-    Integrator *it;
-    Opts o;
-
-    opts_default(&o, options);
-    for (int i = 0; o.defs[i].key; i++)
-        for (int j = 0; of->defs[j].key; j++)
-            if (!strcmp(o.defs[i].key, of->defs[j].key))
-                o.value[i] = of->value[j];
-    it = open_direct(s, &o);
-    if (it)
-        it->kind = &integrator_direct;
-    return it;
-}

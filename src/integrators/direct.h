@@ -57,9 +57,7 @@ struct Direct {
     uint64_t units;             /* of its preparation */
 };
 
-/* For other methods, which have options of these names: the integrator, and what its strategy finds
- * at a turn of the beam. NULL: reported. */
-Integrator *direct_open(const Scene *s, const Opts *of);
+/* For other methods: what its strategy finds at a turn of the beam. */
 Rgb direct_scattered(const Direct *it, const Beam *b, const Turn *u, Tracer *t);
 extern const IntegratorKind integrator_direct;
 

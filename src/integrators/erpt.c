@@ -238,7 +238,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     u.y = ((float)(t->y - it->y0) + u.y) / (float)it->h;
     if (it->deposit > 0.0)
         sample_at(it, u, &use, t);
-    return it->direct ? it->direct->kind->radiance(it->direct, r, t) : rgb_all(0.0f);
+    return integrator_radiance(it->direct, r, t);
 }
 
 /* ---- what is learned first ---- */
@@ -333,8 +333,7 @@ static void close_erpt(Integrator *base)
 {
     Erpt *it = (Erpt *)base;
 
-    if (it->direct)
-        it->direct->kind->close(it->direct);
+    integrator_close(it->direct);
     if (it->proposals)
         proposals_clear(it->proposals);
     mem_free(it->proposals);
@@ -394,7 +393,8 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
                                 (int)opt_int(o, "roulette") };
     it->paths.least = direct ? 3 : 1;
-    it->direct = direct ? direct_open(s, o) : NULL;
+    if (direct)
+        it->direct = integrator_open_sharing(&integrator_direct, s, o);
     if (it->lights && bothpaths_open(&it->paths, s, lamps) && (!direct || it->direct) &&
         warn_of_scattering(s, "erpt") && set_filters(it, o))
         return &it->base;

@@ -34,6 +34,33 @@ const char *const strategy_names[STRATEGIES] = { "implicit", "explicit", "lens",
                                                "connect" };
 const char *const truth_names[3] = { "unbiased", "consistent", "biased" };
 
+Integrator *integrator_open(const IntegratorKind *k, const Scene *s, const Opts *o)
+{
+    Integrator *it = k->open(s, o);
+
+    if (it)
+        it->kind = k;
+    return it;
+}
+
+Integrator *integrator_open_sharing(const IntegratorKind *k, const Scene *s, const Opts *of)
+{
+    Opts o;
+
+    opts_default(&o, k->info.options);
+    for (int i = 0; o.defs[i].key; i++)
+        for (int j = 0; of->defs[j].key; j++)
+            if (!strcmp(o.defs[i].key, of->defs[j].key))
+                o.value[i] = of->value[j];
+    return integrator_open(k, s, &o);
+}
+
+void integrator_close(Integrator *it)
+{
+    if (it)
+        it->kind->close(it);
+}
+
 /* What comes to the same place of the same layers as the one before, is one with that. */
 void tracer_holds(Tracer *t, V2 place, int edges, Strategy how, Rgb c)
 {

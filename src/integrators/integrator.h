@@ -339,6 +339,17 @@ struct Integrator {             /* first member of every concrete one */
 extern const IntegratorKind *const integrators[];       /* ends with NULL */
 #define INTEGRATOR_DEFAULT "path"
 
+/* By options of its own table. NULL: reported. */
+Integrator *integrator_open(const IntegratorKind *k, const Scene *s, const Opts *o);
+/* For methods made of others: with what both tables have, by name. NULL: reported. */
+Integrator *integrator_open_sharing(const IntegratorKind *k, const Scene *s, const Opts *of);
+/* Of a part that a method may lack, NULL: then nothing, and black. */
+void integrator_close(Integrator *it);
+INLINE Rgb integrator_radiance(const Integrator *it, const Ray *r, Tracer *t)
+{
+    return it ? it->kind->radiance(it, r, t) : rgb_all(0.0f);
+}
+
 /* For methods that leave out the light that media scatter: says so if there is such a medium.
  * False: warnings are fatal. */
 bool warn_of_scattering(const Scene *s, const char *method);

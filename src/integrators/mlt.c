@@ -249,8 +249,7 @@ static bool load_mlt(Integrator *base, Loading *l)
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
-    const Integrator *direct = ((const Mlt *)base)->direct;
-    return direct ? direct->kind->radiance(direct, r, t) : rgb_all(0.0f);
+    return integrator_radiance(((const Mlt *)base)->direct, r, t);
 }
 
 static bool prepare(Integrator *base, const Film *f, uint64_t seed)
@@ -270,8 +269,7 @@ static void close_mlt(Integrator *base)
     Mlt *it = (Mlt *)base;
 
     chains_clear(&it->chains);
-    if (it->direct)
-        it->direct->kind->close(it->direct);
+    integrator_close(it->direct);
     bothpaths_close(&it->paths);
     lightsampler_close(it->lights);
     mem_free(it);
@@ -298,7 +296,8 @@ static Integrator *open_mlt(const Scene *s, const Opts *o)
     it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
                                 (int)opt_int(o, "roulette") };
     it->paths.least = direct ? 3 : 1;
-    it->direct = direct ? direct_open(s, o) : NULL;
+    if (direct)
+        it->direct = integrator_open_sharing(&integrator_direct, s, o);
     if (it->lights && bothpaths_open(&it->paths, s, opt_bool(o, "lamps")) &&
         (!direct || it->direct) && warn_of_scattering(s, "mlt"))
         return &it->chains.base;

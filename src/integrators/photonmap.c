@@ -195,8 +195,7 @@ static void close_photonmap(Integrator *base)
 {
     PhotonMap *it = (PhotonMap *)base;
 
-    if (it->direct)
-        integrator_direct.close(&it->direct->base);
+    integrator_close((Integrator *)it->direct);
     photonmaps_clear(&it->maps);
     mem_free(it);
 }
@@ -215,7 +214,7 @@ static Integrator *open_photonmap(const Scene *s, const Opts *o)
          warn_at((Place){ NULL, 0, 0 }, "photonmap: photons=0 leaves out indirect light")) &&
         photonmaps_open(&it->maps, s, o, it->maxdepth, (int)opt_int(o, "roulette"),
                         it->gather > 0)) {
-        it->direct = (Direct *)direct_open(s, o);
+        it->direct = (Direct *)integrator_open_sharing(&integrator_direct, s, o);
         if (it->direct)
             return &it->base;
     }

@@ -189,7 +189,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
     if (it->tallies)
         memset(&tally, 0, sizeof tally);
     t->tally = it->tallies ? &tally : NULL;
-    seen = it->over->kind->radiance(it->over, &r, t);
+    seen = integrator_radiance(it->over, &r, t);
     if (!it->tallies)
         tracer_holds(t, l->place, 0, STRATEGY_IMPLICIT, rgb_scale(seen, l->area));
     was.rays = t->rays;
@@ -319,9 +319,7 @@ static bool walk_load(const Chains *cs, Chain *c, Loading *from)
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
-    const Integrator *direct = ((const Pssmlt *)base)->direct;
-
-    return direct ? direct->kind->radiance(direct, r, t) : rgb_all(0.0f);
+    return integrator_radiance(((const Pssmlt *)base)->direct, r, t);
 }
 
 /* ---- opening ---- */
@@ -346,10 +344,8 @@ static void close_pssmlt(Integrator *base)
     Pssmlt *it = (Pssmlt *)base;
 
     chains_clear(&it->chains);
-    if (it->over)
-        it->over->kind->close(it->over);
-    if (it->direct)
-        it->direct->kind->close(it->direct);
+    integrator_close(it->over);
+    integrator_close(it->direct);
     mem_free(it);
 }
 
@@ -367,16 +363,12 @@ static void set_for(Opts *own, const char *key, double value)
 /* Another integrator, with what it shares of these options. NULL: reported. */
 static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opts *o, int maxdepth)
 {
-    Integrator *other;
     Opts own;
 
     opts_default(&own, k->info.options);
     set_for(&own, "maxdepth", maxdepth);
     set_for(&own, "roulette", (double)opt_int(o, "roulette"));
-    other = k->open(s, &own);
-    if (other)
-        other->kind = k;
-    return other;
+    return integrator_open(k, s, &own);
 }
 
 /* Whether its samples can be changed, as these options ask. False: reported. */
@@ -450,10 +442,8 @@ static const OptDef options[] = {
     { .key = "largest", .type = OPT_FLOAT, .num = 1.0 / 64, .lo = 1e-6, .hi = 0.5,
       .help = "longest one" },
     CHAINS_OPTIONS,
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 1, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    MAXDEPTH_OPTION,
+    ROULETTE_OPTION(1),
     { .key = NULL }
 };
 

@@ -32,8 +32,6 @@
 #include "integrators/lighting.h"
 #include "integrators/swarmbands.h"
 
-#include <string.h>
-
 extern const IntegratorKind integrator_path, integrator_direct;
 
 typedef struct {
@@ -88,7 +86,7 @@ static bool load(Integrator *base, Loading *l) { return bands_load(&((Swarm *)ba
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
     const Swarm *it = (const Swarm *)base;
-    Rgb L = it->over->kind->radiance(it->over, r, t);
+    Rgb L = integrator_radiance(it->over, r, t);
 
     if (t->guide)
         guide_ends(t->guide, L);
@@ -99,38 +97,20 @@ static void close_swarm(Integrator *base)
 {
     Swarm *it = (Swarm *)base;
 
-    if (it->over)
-        it->over->kind->close(it->over);
+    integrator_close(it->over);
     bands_clear(&it->bands);
     mem_free(it);
-}
-
-/* With what both tables have. NULL: reported. */
-static Integrator *open_other(const IntegratorKind *k, const Scene *s, const Opts *o)
-{
-    Integrator *other;
-    Opts p;
-
-    opts_default(&p, k->info.options);
-    for (int i = 0; p.defs[i].key; i++)
-        for (int j = 0; o->defs[j].key; j++)
-            if (!strcmp(p.defs[i].key, o->defs[j].key))
-                p.value[i] = o->value[j];
-    other = k->open(s, &p);
-    if (other)
-        other->kind = k;
-    return other;
 }
 
 static Integrator *open_over(const Scene *s, const Opts *o)
 {
     if (opt_is(o, "over", "path"))
-        return open_other(&integrator_path, s, o);
+        return integrator_open_sharing(&integrator_path, s, o);
     if (!opt_is(o, "strategy", "mis")) {
         err_usage("swarm: over=direct has no strategy=%s", opt_string(o, "strategy"));
         return NULL;
     }
-    return open_other(&integrator_direct, s, o);
+    return integrator_open_sharing(&integrator_direct, s, o);
 }
 
 /* Whether the map's decisions are made by whoever follows rays, and not by path.c's vertices. */
@@ -187,14 +167,12 @@ static const OptDef options[] = {
               "around a tile have found" },
     { .key = "band", .type = OPT_INT, .num = 4, .lo = 1, .hi = 65536,
       .help = "rows of tiles that learn from each other, one thread's work" },
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = 100000,
-      .help = "most scattering events of a path; 0 shows lights only" },
+    MAXDEPTH_OPTION,
     { .key = "strategy", .type = OPT_CHOICE, .str = "mis", .choices = "implicit explicit mis",
       .help = "how paths are completed: by meeting lights, by asking for them, by both" },
     LIGHTING_HEURISTIC,
     LIGHTING_SKY,
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a path may end by chance" },
+    ROULETTE_OPTION(4),
     LIGHTING_LIGHTSAMPLER,
     { .key = NULL }
 };

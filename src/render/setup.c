@@ -143,10 +143,9 @@ bool job_init(Job *j)
     if (!init_tracers(j))
         return false;
     filter_init(&j->filter, s->filter, &s->filter_opts);
-    j->integrator = s->integrator->open(j->scene, &s->integrator_opts);
+    j->integrator = integrator_open(s->integrator, j->scene, &s->integrator_opts);
     if (!j->integrator)
         return false;
-    j->integrator->kind = s->integrator;
     j->adapts = s->adaptive && s->adaptive->plan && integrator_adapts(s->integrator);
     return init_samplers(j) && film_init(j->film, s->w, s->h, s->crop, 1 + s->naovs) &&
            (!s->integrator->splats || stretch_canvas(j)) && adapt(j);
@@ -154,8 +153,7 @@ bool job_init(Job *j)
 
 void job_clear(Job *j)
 {
-    if (j->integrator)
-        j->integrator->kind->close(j->integrator);
+    integrator_close(j->integrator);
     if (j->tracers)
         sampler_clear(&j->tracers[0].sampler);
     adaptive_clear(&j->adaptive);
