@@ -63,17 +63,18 @@ static void add_room(Lab *l, bool dim)
 typedef struct {
     Lab lab;
     Filter filter;
+    Film film;
     Canvas canvas;
     Tracer t;
-    LightSampler *lights;
     BothPaths paths;
     Mutator mutator;
 } World;
 
 static void room_opens(World *w, const char *camera, bool dim)
 {
-    Opts none;
+    const uint32_t crop[4] = { 0, 0, SIDE, SIDE };
     uint32_t spp = 0;
+    Opts none, mlt;
 
     memset(w, 0, sizeof *w);
     lab_init(&w->lab);
@@ -83,19 +84,18 @@ static void room_opens(World *w, const char *camera, bool dim)
     w->lab.scene->camera->kind->film(w->lab.scene->camera, SIDE, SIDE);
     opts_default(&none, filters[0]->info.options);
     filter_init(&w->filter, kind_find(filters, "box"), &none);
+    REQUIRE(film_init(&w->film, SIDE, SIDE, crop, 1), "film");
     w->canvas.filter = &w->filter;
+    w->canvas.film = &w->film;
     w->t.scene = w->lab.scene;
     w->t.canvas = &w->canvas;
     opts_default(&none, NULL);
     REQUIRE(sampler_init(&w->t.sampler, kind_find(samplers, "random"), &none, 1, &spp), "sampler");
-    w->lights = lightsampler_open("power", w->lab.scene);
-    REQUIRE(w->lights, "lights");
-    w->paths.eye = (EyePaths){ w->lab.scene, w->lights, EVENTS, 100 };
-    w->paths.least = 1;
-    w->paths.pixels = SIDE * SIDE;
-    REQUIRE(bothpaths_open(&w->paths, w->lab.scene, true), "lights");
+    lab_method(&w->lab, "mlt:direct=no,maxdepth=6,roulette=100,lightsampler=power", &mlt);
+    REQUIRE(bothpaths_open(&w->paths, "mlt", w->lab.scene, &mlt, true), "paths");
+    REQUIRE(w->paths.eye.maxdepth == EVENTS, "edges");
     w->mutator = (Mutator){ .scene = w->lab.scene, .share = { 1, 1, 1, 3 }, .nearest = 0.1f,
-                            .farthest = 8, .least = 1e-3f, .most = 0.5f, .hi = { SIDE, SIDE } };
+                            .farthest = 8, .least = 1e-3f, .most = 0.5f };
 }
 
 static void world_opens(World *w, const char *camera) { room_opens(w, camera, false); }
@@ -103,7 +103,7 @@ static void world_opens(World *w, const char *camera) { room_opens(w, camera, fa
 static void world_clears(World *w)
 {
     bothpaths_close(&w->paths);
-    lightsampler_close(w->lights);
+    film_clear(&w->film);
     sampler_clear(&w->t.sampler);
     lab_clear(&w->lab);
 }
@@ -129,8 +129,7 @@ static void trace(World *w, uint32_t number, EyePathFound *found, void *ctx)
     u = sample_2d(&w->t.sampler, DECISION(DECIDE_PIXEL, 0));
     p.pixel = (V2){ u.x * SIDE, u.y * SIDE };
     eyepath_begins(w->lab.scene, &p, &w->t);
-    bothpath_traced(&w->paths, &p, rooms.at, back.at, mutator_places(&w->mutator, &w->t), &w->t,
-                    found, ctx);
+    bothpath_traced(&w->paths, &p, rooms.at, back.at, canvas_places(&w->canvas), &w->t, found, ctx);
 }
 
 /* ---- the other route: places in double ---- */
@@ -443,7 +442,7 @@ static void compare_ways(void *ctx, const LightPath *p, int by, double scale, Tr
     Brought *b = ctx;
     double density[LIGHTPATH_MOST], sum = 0;
 
-    bothpath_densities(&b->w->paths, p, true, mutator_places(&b->w->mutator, t), density);
+    bothpath_densities(&b->w->paths, p, true, canvas_places(t->canvas), density);
     for (int k = 0; k < p->edges; k++) {
         double off;
         sum += density[k];
@@ -492,7 +491,7 @@ static void count_ways(void *ctx, const LightPath *p, int by, double scale, Trac
     Found *f = ctx;
     double density[LIGHTPATH_MOST], sum = 0;
 
-    bothpath_densities(&f->w->paths, p, true, mutator_places(&f->w->mutator, t), density);
+    bothpath_densities(&f->w->paths, p, true, canvas_places(t->canvas), density);
     for (int k = 0; k < p->edges; k++)
         sum += density[k];
     f->found[by] += scale * sum;
@@ -730,7 +729,7 @@ static void add_to_edges(void *ctx, const LightPath *p, int by, double scale, Tr
 /* A single path of so many edges, over its density; by: a way, or -1 for all with equal chances. */
 static double single(World *w, uint32_t n, int edges, int by)
 {
-    Places where = mutator_places(&w->mutator, &w->t);
+    Places where = canvas_places(&w->canvas);
     double density[LIGHTPATH_MOST], sum = 0;
     LightPath p;
     Rooms rooms;

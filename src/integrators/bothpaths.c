@@ -1,7 +1,19 @@
 /* bothpaths.c -- the code of `bothpaths.h`. */
 #include "integrators/bothpaths.h"
 
+#include "integrators/direct.h"
 #include "integrators/particle.h"
+
+/* ---- what they bring ---- */
+
+static const double BRIGHTNESS_MOST = 1e30;     /* more is no number, or sums are none soon */
+
+double bothpath_brightness(const BothPaths *it, const LightPath *p, double scale, Places where)
+{
+    double light = rgb_lum(p->colour) * scale * places_share(where);
+
+    return (it->direct && path_is_direct(p)) || !(light <= BRIGHTNESS_MOST) ? 0.0 : light;
+}
 
 /* ---- densities ---- */
 
@@ -29,7 +41,7 @@ static void densities_of_lamp(const BothPaths *it, const LightPath *p, Places wh
         double to_eye;
         change *= path_turn(v);
         to_eye = i > 1 ? change / ((double)v->dist * v->dist)
-                       : change * path_lens(p, it->eye.scene->camera) * it->pixels /
+                       : change * path_lens(p, it->eye.scene->camera) * where.pixels /
                              ((double)where.size.x * where.size.y);
         density[i] = joins && to_eye > 0.0 ? density[i] * sent / to_eye : 0.0;
         if (i > 1)
@@ -376,10 +388,26 @@ double bothpath_density(const BothPaths *it, const ByWay *chance, const LightPat
 
 /* ---- opening ---- */
 
-bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps)
+bool bothpaths_open(BothPaths *it, const char *name, const Scene *s, const Opts *o,
+                    bool from_lamps)
 {
-    it->sending = from_lamps ? lightsampler_open("power", s) : NULL;
-    return !from_lamps || it->sending;
+    bool direct = opt_bool(o, "direct");
+
+    it->asked = lightsampler_open(opt_string(o, "lightsampler"), s);
+    it->eye = (EyePaths){ s, it->asked, (int)opt_int(o, "maxdepth"),
+                          (int)opt_int(o, "roulette") };
+    it->least = direct ? 3 : 1;
+    if (from_lamps)
+        it->sending = lightsampler_open("power", s);
+    if (direct)
+        it->direct = integrator_open_sharing(&integrator_direct, s, o);
+    return it->asked && (!from_lamps || it->sending) && (!direct || it->direct) &&
+           warn_of_scattering(s, name);
 }
 
-void bothpaths_close(BothPaths *it) { lightsampler_close(it->sending); }
+void bothpaths_close(BothPaths *it)
+{
+    integrator_close(it->direct);
+    lightsampler_close(it->sending);
+    lightsampler_close(it->asked);
+}

@@ -25,17 +25,25 @@
 #define INTEGRATORS_BOTHPATHS_H
 
 #include "integrators/eyepaths.h"
+#include "integrators/lighting.h"
 
 typedef struct {
     EyePaths eye;
+    LightSampler *asked;        /* owned: by paths of the eye */
     LightSampler *sending;      /* owned; NULL: only the eye makes paths */
+    Integrator *direct;         /* owned: shows direct light; NULL: these paths do */
     int    least;               /* edges that are wanted */
-    float  pixels;              /* of the whole picture */
 } BothPaths;
 
-/* from_lamps: whether they begin there, too. False: reported. */
-bool bothpaths_open(BothPaths *it, const Scene *s, bool from_lamps);
+/* For the integrator of that name, by the options below; from_lamps: whether paths begin there,
+ * too. False: reported; to be closed all the same. */
+bool bothpaths_open(BothPaths *it, const char *name, const Scene *s, const Opts *o,
+                    bool from_lamps);
 void bothpaths_close(BothPaths *it);
+
+/* The luminance that a path brings to the mean of the picture: 0 if that is direct's to show, or
+ * beyond what a film takes. */
+double bothpath_brightness(const BothPaths *it, const LightPath *p, double scale, Places where);
 
 /* Numbers by edges, and ways to make paths of so many. */
 typedef struct {
@@ -70,5 +78,18 @@ bool bothpath_some(const BothPaths *it, const ByWay *chance, double u, LightPath
                    Vertex *const *rooms, Places where, Tracer *t);
 /* The density with which that makes it. */
 double bothpath_density(const BothPaths *it, const ByWay *chance, const LightPath *p, Places where);
+
+#define BOTHPATHS_DIRECT                                                       \
+    { .key = "direct", .type = OPT_BOOL, .num = 1,                             \
+      .help = "direct light is apart, as that of the integrator direct" }
+/* samples: what bothpath_traced makes, as the method calls it. */
+#define BOTHPATHS_OPTIONS(samples)                                             \
+    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2, \
+      .help = "most scattering events of a path; 0 shows lights only" },       \
+    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth", \
+      .help = "first scattering event after which " samples " may end by chance" }, \
+    LIGHTING_HEURISTIC,                                                        \
+    LIGHTING_SKY,                                                              \
+    LIGHTING_LIGHTSAMPLER
 
 #endif

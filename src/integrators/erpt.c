@@ -24,7 +24,6 @@
  * Departs     Of each move of equal flow both ends get their part of e_d, q and 1 - q: the mean
  *             over the decision. */
 #include "integrators/bothpaths.h"
-#include "integrators/direct.h"
 #include "integrators/mutations.h"
 #include "integrators/proposals.h"
 
@@ -37,10 +36,8 @@ enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack *
 
 typedef struct {
     Integrator base;
-    BothPaths paths;
+    BothPaths paths;            /* owned */
     Mutator mutator;
-    LightSampler *lights;       /* owned */
-    Integrator *direct;         /* owned; NULL: direct light is redistributed, too */
     Flow  flow;
     int   length;               /* m */
     int   levels;               /* of a tree with about m leaves */
@@ -54,24 +51,6 @@ typedef struct {
     double deposit;             /* e_d; 0: no light was found */
     uint32_t x0, y0, w, h;      /* window of the film */
 } Erpt;
-
-/* ---- energy ---- */
-
-/* The luminance that a path brings to the mean of the picture, as a part of a sample. */
-static double energy(const Erpt *it, const LightPath *p, double scale, const Tracer *t)
-{
-    Places where = mutator_places(&it->mutator, t);
-    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->paths.pixels);
-
-    return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
-}
-
-static void deposit(const LightPath *p, double e, Tracer *t)
-{
-    if (e > 0.0)
-        tracer_splat(t, p->pixel, p->edges, STRATEGY_EXPLICIT,
-                     rgb_scale(p->colour, (float)(e / rgb_lum(p->colour))));
-}
 
 /* ---- flow ---- */
 
@@ -126,13 +105,13 @@ static void chain(const Erpt *it, LightPath *x, Vertex **rooms, Rng *r, Tracer *
         double e = counts(it, &stay, moves ? y.pixel : x->pixel) ? it->deposit : 0.0;
         kept += (1.0 - q) * e;
         if (moves) {
-            deposit(x, kept, t);
+            path_shows(x, kept, t);
             path_moves(x, &y, rooms);
             kept = q * e;
         } else
-            deposit(&y, q * e, t);
+            path_shows(&y, q * e, t);
     }
-    deposit(x, kept, t);
+    path_shows(x, kept, t);
 }
 
 static void flow_equally(const Erpt *it, const LightPath *from, int chains, Rng *r, Tracer *t)
@@ -157,10 +136,10 @@ static void flow_in_detail(const Erpt *it, const LightPath *x, double e, int mov
     roomy_opens(&y);
     for (int i = 0; i < moves; i++) {
         double q = moved(it, x, &y.p, y.rooms, r, t);
-        deposit(&y.p, part * q, t);
+        path_shows(&y.p, part * q, t);
         left += part * (1.0 - q);
     }
-    deposit(x, left, t);
+    path_shows(x, left, t);
 }
 
 /* What flows to y, and what stays at x, flows on. */
@@ -170,7 +149,7 @@ static void flow_again(const Erpt *it, const LightPath *x, double e, int levels,
     double q;
 
     if (!levels) {
-        deposit(x, e, t);
+        path_shows(x, e, t);
         return;
     }
     roomy_opens(&y);
@@ -204,7 +183,7 @@ typedef struct { const Erpt *it; Rng r; double found; } Use;
 static void used(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 {
     Use *u = ctx;
-    double e = energy(u->it, p, scale, t);
+    double e = bothpath_brightness(&u->it->paths, p, scale, canvas_places(t->canvas));
 
     (void)by;
     u->found += e;
@@ -215,14 +194,14 @@ static void used(void *ctx, const LightPath *p, int by, double scale, Tracer *t)
 /* A sample from a place of the window, from 0 to 1 across. */
 static void sample_at(const Erpt *it, V2 at, Use *use, Tracer *t)
 {
-    Places where = mutator_places(&it->mutator, t);
+    Places where = canvas_places(t->canvas);
     Vertex storage[LIGHTPATH_MOST], *back[LIGHTPATH_MOST];
     Roomy s;
 
     for (int i = 0; i < LIGHTPATH_MOST; i++)
         back[i] = &storage[i];
     roomy_opens(&s);
-    s.p.pixel = (V2){ where.lo.x + at.x * where.size.x, where.lo.y + at.y * where.size.y };
+    s.p.pixel = places_at(where, at);
     eyepath_begins(it->base.scene, &s.p, t);
     bothpath_traced(&it->paths, &s.p, s.rooms, back, where, t, used, use);
 }
@@ -238,7 +217,7 @@ static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
     u.y = ((float)(t->y - it->y0) + u.y) / (float)it->h;
     if (it->deposit > 0.0)
         sample_at(it, u, &use, t);
-    return integrator_radiance(it->direct, r, t);
+    return integrator_radiance(it->paths.direct, r, t);
 }
 
 /* ---- what is learned first ---- */
@@ -289,7 +268,6 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
 
     (void)seed;
     mutator_prepare(&it->mutator, f);
-    it->paths.pixels = (float)f->full_w * (float)f->full_h;
     it->x0 = f->x0;
     it->y0 = f->y0;
     it->w = f->w;
@@ -333,12 +311,10 @@ static void close_erpt(Integrator *base)
 {
     Erpt *it = (Erpt *)base;
 
-    integrator_close(it->direct);
     if (it->proposals)
         proposals_clear(it->proposals);
     mem_free(it->proposals);
     bothpaths_close(&it->paths);
-    lightsampler_close(it->lights);
     mem_free(it);
 }
 
@@ -379,7 +355,6 @@ static bool hides_lamps(const Scene *s)
 static Integrator *open_erpt(const Scene *s, const Opts *o)
 {
     Erpt *it = MEM_NEW(Erpt);
-    bool direct = opt_bool(o, "direct");
     bool lamps = opt_is(o, "lamps", "yes") || (opt_is(o, "lamps", "auto") && hides_lamps(s));
 
     if (!it)
@@ -389,14 +364,7 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->mutator.always_caustic = opt_is(o, "choice", "exclusive");
     it->samples = SAMPLES;
     set_flow(it, o);
-    it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
-    it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
-                                (int)opt_int(o, "roulette") };
-    it->paths.least = direct ? 3 : 1;
-    if (direct)
-        it->direct = integrator_open_sharing(&integrator_direct, s, o);
-    if (it->lights && bothpaths_open(&it->paths, s, lamps) && (!direct || it->direct) &&
-        warn_of_scattering(s, "erpt") && set_filters(it, o))
+    if (bothpaths_open(&it->paths, "erpt", s, o, lamps) && set_filters(it, o))
         return &it->base;
     close_erpt(&it->base);
     return NULL;
@@ -409,8 +377,7 @@ static const OptDef options[] = {
       .help = "moves of a chain" },
     { .key = "flow", .type = OPT_CHOICE, .str = "equal", .choices = "detailed iterated equal",
       .help = "how energy goes from a sample to paths beside it" },
-    { .key = "direct", .type = OPT_BOOL, .num = 1,
-      .help = "direct light is apart, as that of the integrator direct" },
+    BOTHPATHS_DIRECT,
     { .key = "lamps", .type = OPT_CHOICE, .str = "auto", .choices = "auto yes no",
       .help = "paths begin at lamps, too, and are joined with those of the eye; auto: where there "
               "are point or distant lights and delta surfaces" },
@@ -426,13 +393,7 @@ static const OptDef options[] = {
     { .key = "side", .type = OPT_INT, .num = 7, .lo = 1, .hi = PROPOSALS_SIDE,
       .help = "of that square, pixels" },
     MUTATION_OPTIONS(0.1, 0, 0),
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
-      .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a sample may end by chance" },
-    LIGHTING_HEURISTIC,
-    LIGHTING_SKY,
-    LIGHTING_LIGHTSAMPLER,
+    BOTHPATHS_OPTIONS("a sample"),
     { .key = NULL }
 };
 

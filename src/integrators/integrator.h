@@ -72,6 +72,35 @@ INLINE float canvas_pixels(const Canvas *k)             /* of the whole picture 
     return (float)k->film->full_w * (float)k->film->full_h;
 }
 
+/* Where places on the picture may be: all that the filters of the window's pixels look at. */
+typedef struct {
+    V2    lo, size;
+    float pixels;               /* of the whole picture */
+} Places;
+
+INLINE Places canvas_places(const Canvas *k)
+{
+    float x = (float)k->filter->axis[0].radius - 0.5f, y = (float)k->filter->axis[1].radius - 0.5f;
+
+    return (Places){ { (float)k->film->x0 - x, (float)k->film->y0 - y },
+                     { (float)k->film->w + 2.0f * x, (float)k->film->h + 2.0f * y },
+                     canvas_pixels(k) };
+}
+
+INLINE bool places_hold(Places w, V2 p)
+{
+    return p.x >= w.lo.x && p.x < w.lo.x + w.size.x && p.y >= w.lo.y && p.y < w.lo.y + w.size.y;
+}
+
+/* By numbers from 0 to 1 across. */
+INLINE V2 places_at(Places w, V2 u)
+{
+    return (V2){ w.lo.x + u.x * w.size.x, w.lo.y + u.y * w.size.y };
+}
+
+/* Of the whole picture. */
+INLINE float places_share(Places w) { return w.size.x * w.size.y / w.pixels; }
+
 /* Splats that are kept back, till somebody knows what they count; and so is what is tallied. */
 typedef struct {
     V2  place;

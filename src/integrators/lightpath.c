@@ -308,6 +308,13 @@ bool path_turned_round(LightPath *p, int first, int last, const CameraSample *c)
     return last + 1 == p->edges || scatters(&p->v[last + 1]);
 }
 
+void path_shows(const LightPath *p, double luminance, Tracer *t)
+{
+    if (luminance > 0.0)
+        tracer_splat(t, p->pixel, p->edges, STRATEGY_EXPLICIT,
+                     rgb_scale(p->colour, (float)(luminance / rgb_lum(p->colour))));
+}
+
 bool path_is_direct(const LightPath *p)
 {
     for (int i = 1; i + 1 < p->edges; i++)

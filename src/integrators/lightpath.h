@@ -98,13 +98,6 @@ bool path_ends(LightPath *p, const Light *l, const Surface *s, const Walk *w);
 
 /* ---- growing from the light ---- */
 
-/* Where places on the picture may be. */
-typedef struct { V2 lo, size; } Places;
-INLINE bool places_hold(Places w, V2 p)
-{
-    return p.x >= w.lo.x && p.x < w.lo.x + w.size.x && p.y >= w.lo.y && p.y < w.lo.y + w.size.y;
-}
-
 /* The walk from the light's side meets vertex i, in the room, whose model is not made yet; what
  * media left belongs to the edge before. False: it meets nothing. */
 bool path_arrives_back(LightPath *p, int i, Walk *w, Vertex *room, Tracer *t);
@@ -131,6 +124,9 @@ bool path_turned_round(LightPath *p, int first, int last, const CameraSample *c)
 
 /* Sets the colour from all factors. False: it is black, or no number. */
 bool path_colours(LightPath *p);
+
+/* Splats its colour, of a luminance by which it adds so much to the mean of the picture. */
+void path_shows(const LightPath *p, double luminance, Tracer *t);
 
 /* Whether it is among those of the integrator `direct`: no event but the last is smooth. */
 bool path_is_direct(const LightPath *p);

@@ -17,17 +17,14 @@
  * Invariants  Everything but the b of chains.h is unbiased at every step. */
 #include "integrators/bothpaths.h"
 #include "integrators/chains.h"
-#include "integrators/direct.h"
 #include "integrators/mutations.h"
 
 #include "base/mem.h"
 
 typedef struct {
     Chains chains;
-    BothPaths paths;
+    BothPaths paths;            /* owned */
     Mutator mutator;
-    LightSampler *lights;       /* owned */
-    Integrator *direct;         /* owned; NULL: direct light is for chains, too */
     float fresh;                /* share of new paths */
     int   each;                 /* steps a pixel in a pass */
     ByWay chance;               /* of being chosen for a new path */
@@ -64,25 +61,9 @@ static bool init_chain(Chains *cs, Chain *base)
 
 static void clear_chain(Chain *base) { mem_free(((PathChain *)base)->storage); }
 
-/* ---- what counts ---- */
-
-static Places places(const Mlt *it, const Tracer *t) { return mutator_places(&it->mutator, t); }
-
-/* The luminance that a path brings to the mean of the picture. */
-static double brightness(const Mlt *it, const LightPath *p, double scale, const Tracer *t)
+static void anywhere(const Mlt *it, LightPath *p, Places where, Tracer *t)
 {
-    Places where = places(it, t);
-    double light = rgb_lum(p->colour) * scale * (where.size.x * where.size.y / it->paths.pixels);
-
-    return (it->direct && path_is_direct(p)) || !(light <= 1e30) ? 0.0 : light;
-}
-
-static void anywhere(const Mlt *it, LightPath *p, Tracer *t)
-{
-    Places where = places(it, t);
-    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
-
-    p->pixel = (V2){ where.lo.x + u.x * where.size.x, where.lo.y + u.y * where.size.y };
+    p->pixel = places_at(where, sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)));
     eyepath_begins(it->chains.base.scene, p, t);
 }
 
@@ -100,7 +81,7 @@ static void consider(void *ctx, const LightPath *p, int by, double scale, Tracer
 {
     Choice *choice = ctx;
     PathChain *c = choice->c;
-    double light = brightness(choice->it, p, scale, t);
+    double light = bothpath_brightness(&choice->it->paths, p, scale, canvas_places(t->canvas));
 
     choice->sum += light;
     c->squares.of[p->edges][by] += light * light;
@@ -117,13 +98,14 @@ static float start(Chains *cs, Chain *base, uint64_t number, Tracer *t)
     PathChain *c = (PathChain *)base;
     const Mlt *it = (const Mlt *)cs;
     Choice choice = { it, c, { key_with(cs->seed, ~number), 0 }, 0.0 };
+    Places where = canvas_places(t->canvas);
     LightPath p;
 
     sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)(number >> 32));
     sampler_start(&t->sampler, (uint32_t)number);
-    anywhere(it, &p, t);
+    anywhere(it, &p, where, t);
     c->now = -1.0;
-    bothpath_traced(&it->paths, &p, c->rooms, c->back, places(it, t), t, consider, &choice);
+    bothpath_traced(&it->paths, &p, c->rooms, c->back, where, t, consider, &choice);
     return (float)choice.sum;
 }
 
@@ -147,42 +129,37 @@ static uint64_t units(Integrator *base, const Film *f, uint32_t pass, int phase)
 /* ---- steps ---- */
 
 /* Brightness over density: the same for all states that new paths come to. */
-static double as_new(const Mlt *it, const LightPath *p, const Tracer *t)
+static double as_new(const Mlt *it, const LightPath *p, Places where)
 {
-    double density = bothpath_density(&it->paths, &it->chance, p, places(it, t));
-    return density > 0.0 ? brightness(it, p, 1.0 / density, t) : 0.0;
+    double density = bothpath_density(&it->paths, &it->chance, p, where);
+    return density > 0.0 ? bothpath_brightness(&it->paths, p, 1.0 / density, where) : 0.0;
 }
 
 /* A new path; its probability to be accepted. */
 static double renewed(const Mlt *it, PathChain *c, LightPath *y, double *as, Rng *r, Tracer *t)
 {
+    Places where = canvas_places(t->canvas);
     double light = 0.0;
 
     sampler_pixel(&t->sampler, (uint32_t)c->base.key, UINT32_MAX);
     sampler_start(&t->sampler, (uint32_t)c->base.steps);
-    anywhere(it, y, t);
-    if (bothpath_some(&it->paths, &it->chance, rng_unit(r), y, c->rooms, places(it, t), t))
-        light = as_new(it, y, t);
+    anywhere(it, y, where, t);
+    if (bothpath_some(&it->paths, &it->chance, rng_unit(r), y, c->rooms, where, t))
+        light = as_new(it, y, where);
     *as = light;
     c->base.found += light;
     c->base.tries++;
     if (!(light > 0.0) || c->base.brightness == 0.0f)
         return light > 0.0;
     if (c->now < 0.0)
-        c->now = as_new(it, &c->x, t);
+        c->now = as_new(it, &c->x, where);
     return light < c->now ? light / c->now : 1.0;
-}
-
-static void show_path(const LightPath *p, double weight, Tracer *t)
-{
-    tracer_splat(t, p->pixel, p->edges, STRATEGY_EXPLICIT,
-                 rgb_scale(p->colour, (float)(weight / rgb_lum(p->colour))));
 }
 
 static void show(Chains *cs, Chain *c, float weight, Tracer *t)
 {
     (void)cs;
-    show_path(&((PathChain *)c)->x, weight, t);
+    path_shows(&((PathChain *)c)->x, weight, t);
 }
 
 static void step(Chains *cs, Chain *base, Tracer *t)
@@ -198,8 +175,7 @@ static void step(Chains *cs, Chain *base, Tracer *t)
     a = base->brightness == 0.0f || rng_unit(&r) < it->fresh ? renewed(it, c, &y, &as, &r, t)
             : mutation_tried(&it->mutator, &c->x, &y, c->rooms, &r, t);
     s = chain_steps(cs, base, a > 0.0, (float)a, false, rng_unit(&r));
-    if (s.left > 0.0)
-        show_path(s.moves ? &c->x : &y, s.left, t);
+    path_shows(s.moves ? &c->x : &y, s.left, t);
     if (s.moves) {
         path_moves(&c->x, &y, c->rooms);
         c->now = as;
@@ -249,7 +225,7 @@ static bool load_mlt(Integrator *base, Loading *l)
 
 static Rgb radiance(const Integrator *base, const Ray *r, Tracer *t)
 {
-    return integrator_radiance(((const Mlt *)base)->direct, r, t);
+    return integrator_radiance(((const Mlt *)base)->paths.direct, r, t);
 }
 
 static bool prepare(Integrator *base, const Film *f, uint64_t seed)
@@ -260,7 +236,6 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
         return false;
     it->chains.pixels *= (uint64_t)it->each;
     mutator_prepare(&it->mutator, f);
-    it->paths.pixels = (float)f->full_w * (float)f->full_h;
     return true;
 }
 
@@ -269,9 +244,7 @@ static void close_mlt(Integrator *base)
     Mlt *it = (Mlt *)base;
 
     chains_clear(&it->chains);
-    integrator_close(it->direct);
     bothpaths_close(&it->paths);
-    lightsampler_close(it->lights);
     mem_free(it);
 }
 
@@ -283,7 +256,6 @@ static const ChainKind kind = {
 static Integrator *open_mlt(const Scene *s, const Opts *o)
 {
     Mlt *it = MEM_NEW(Mlt);
-    bool direct = opt_bool(o, "direct");
 
     if (!it)
         return NULL;
@@ -292,14 +264,7 @@ static Integrator *open_mlt(const Scene *s, const Opts *o)
     mutator_init(&it->mutator, s, o);
     it->fresh = opt_float(o, "newpath");
     it->each = (int)opt_int(o, "mutations");
-    it->lights = lightsampler_open(opt_string(o, "lightsampler"), s);
-    it->paths.eye = (EyePaths){ s, it->lights, (int)opt_int(o, "maxdepth"),
-                                (int)opt_int(o, "roulette") };
-    it->paths.least = direct ? 3 : 1;
-    if (direct)
-        it->direct = integrator_open_sharing(&integrator_direct, s, o);
-    if (it->lights && bothpaths_open(&it->paths, s, opt_bool(o, "lamps")) &&
-        (!direct || it->direct) && warn_of_scattering(s, "mlt"))
+    if (bothpaths_open(&it->paths, "mlt", s, o, opt_bool(o, "lamps")))
         return &it->chains.base;
     close_mlt(&it->chains.base);
     return NULL;
@@ -309,20 +274,13 @@ static const OptDef options[] = {
     CHAINS_OPTIONS,
     { .key = "mutations", .type = OPT_INT, .num = 4, .lo = 1, .hi = 1e6,
       .help = "steps a pixel in a pass, beside the one sample of direct light" },
-    { .key = "direct", .type = OPT_BOOL, .num = 1,
-      .help = "direct light is apart, as that of the integrator direct" },
+    BOTHPATHS_DIRECT,
     { .key = "newpath", .type = OPT_FLOAT, .num = 0.5, .lo = 1e-3, .hi = 1,
       .help = "share of new paths among mutations" },
     { .key = "lamps", .type = OPT_BOOL, .num = 1,
       .help = "paths begin at lamps, too, and are joined with those of the eye" },
     MUTATION_OPTIONS(0.1, 0, 0),
-    { .key = "maxdepth", .type = OPT_INT, .num = 9, .lo = 0, .hi = LIGHTPATH_MOST - 2,
-      .help = "most scattering events of a path; 0 shows lights only" },
-    { .key = "roulette", .type = OPT_INT, .num = 4, .lo = 1, .hi = 100000, .also = "rrdepth",
-      .help = "first scattering event after which a sample to start with may end by chance" },
-    LIGHTING_HEURISTIC,
-    LIGHTING_SKY,
-    LIGHTING_LIGHTSAMPLER,
+    BOTHPATHS_OPTIONS("a sample to start with"),
     { .key = NULL }
 };
 

@@ -148,7 +148,7 @@ static bool moved_from_eye(const Mutator *it, const LightPath *x, LightPath *y,
     Walk w;
 
     y->pixel = place_near(it, x->pixel, r);
-    if (!places_hold(mutator_places(it, t), y->pixel))
+    if (!places_hold(canvas_places(t->canvas), y->pixel))
         return false;
     w = path_leaves_eye(y, it->scene);
     for (int i = 1; i <= last && i < x->edges; i++) {
@@ -231,7 +231,7 @@ static bool moved_from_light(const Mutator *it, int at, const LightPath *x, Ligh
     if (!path_arrives_back(y, at, &w, rooms[at], t))
         return false;
     if (at == 1)
-        return path_reaches_lens(y, mutator_places(it, t), &w, &c, t) &&
+        return path_reaches_lens(y, canvas_places(t->canvas), &w, &c, t) &&
                path_turned_round(y, 1, start - 1, &c);
     vertex_make(rooms[at], it->scene, w.ray.d);
     y->v[at].medium = w.medium;
@@ -252,7 +252,8 @@ static double change_to_light(const LightPath *p, int at, const Camera *camera)
     return at > 1 ? change / f_sqr(p->v[at].dist) : change * path_lens(p, camera);
 }
 
-double mutation_worth(Move m, const LightPath *p, const Camera *c)
+/* F over T, up to a factor that is the same for all paths that the move joins: see mutations.h. */
+static double worth(Move m, const LightPath *p, const Camera *c)
 {
     double light = rgb_lum(p->colour);
     int chains, last;
@@ -274,8 +275,8 @@ double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
                : moved_from_eye(it, x, y, rooms, r, t)) ||
         !path_colours(y))
         return 0.0;
-    from = mutation_worth(m, x, c);
-    return from > 0.0 ? mutation_worth(m, y, c) / from : 0.0;
+    from = worth(m, x, c);
+    return from > 0.0 ? worth(m, y, c) / from : 0.0;            /* [Cline07 (7.14)] */
 }
 
 double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
@@ -306,8 +307,6 @@ void mutator_init(Mutator *it, const Scene *s, const Opts *o)
 
 void mutator_prepare(Mutator *it, const Film *f)
 {
-    it->lo = (V2){ (float)f->x0, (float)f->y0 };
-    it->hi = (V2){ (float)f->x1, (float)f->y1 };
     if (!(it->farthest > 0.0f))
         it->farthest = 0.1f * (float)f->full_w;
     it->farthest = f_max(it->farthest, it->nearest);

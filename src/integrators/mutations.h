@@ -54,18 +54,7 @@ typedef struct {
     float square;               /* or uniform in a square of this side; 0: not */
     float least, most;          /* angles, radians, fig. 7.26; of what comes from beyond the scene
                                  * ways to the side, in radii of the scene */
-    V2    lo, hi;               /* the film's window */
 } Mutator;
-
-/* Where places on the picture may be: all that the filters of the window's pixels look at. */
-INLINE Places mutator_places(const Mutator *it, const Tracer *t)
-{
-    const Filter *f = t->canvas->filter;
-    float x = (float)f->axis[0].radius - 0.5f, y = (float)f->axis[1].radius - 0.5f;
-
-    return (Places){ { it->lo.x - x, it->lo.y - y },
-                     { it->hi.x - it->lo.x + 2.0f * x, it->hi.y - it->lo.y + 2.0f * y } };
-}
 
 /* Whether the mutation applies to paths like that. */
 bool mutation_applies(Mutation m, const LightPath *p);
@@ -82,9 +71,6 @@ double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
 /* One move by some mutation: its probability to be accepted. */
 double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,
                       Rng *r, Tracer *t);
-
-/* F over T for the mutation, up to a factor that is the same for all paths that it joins. */
-double mutation_worth(Move m, const LightPath *p, const Camera *c);
 
 #define MUTATION_OPTIONS(near, far, side)                                      \
     { .key = "lens", .type = OPT_FLOAT, .num = 1, .lo = 0, .hi = 1e6,          \
@@ -107,7 +93,7 @@ double mutation_worth(Move m, const LightPath *p, const Camera *c);
     { .key = "most", .type = OPT_FLOAT, .num = 0.1, .lo = 1e-9, .hi = 1,       \
       .help = "greatest angle by which a direction moves, radians" }
 
-/* By these options, and for the window of a film. */
+/* By these options, and for a film. */
 void mutator_init(Mutator *it, const Scene *s, const Opts *o);
 void mutator_prepare(Mutator *it, const Film *f);
 

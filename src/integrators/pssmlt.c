@@ -41,7 +41,7 @@ typedef struct {
     PrimaryKernel kernel;
     int  shortest, longest;     /* edges of paths made by one technique a sample; 0, 0: by all */
     bool tallies;               /* light is held as it is tallied, since some is left out */
-    uint32_t x0, y0, w, h, full_w, full_h;      /* the film's window */
+    uint32_t x0, y0, w, h;      /* the film's window */
 } Pssmlt;
 
 typedef struct {
@@ -52,17 +52,13 @@ typedef struct {
 
 /* ---- where samples look, and what is kept of them ---- */
 
-/* The place on the plane of the picture; *area: where it may be, all that a pixel's filter may look
- * at, as a share of the picture. */
-static V2 place_of(const Pssmlt *it, Tracer *t, float *area)
+/* The sample's place on the picture, by its own numbers. */
+static void choose_place(SplatList *l, Tracer *t)
 {
-    const Filter *f = t->canvas->filter;
-    float rx = (float)f->axis[0].radius - 0.5f, ry = (float)f->axis[1].radius - 0.5f;
-    float w = (float)it->w + 2.0f * rx, h = (float)it->h + 2.0f * ry;
-    V2 u = sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0));
+    Places where = canvas_places(t->canvas);
 
-    *area = w * h / ((float)it->full_w * (float)it->full_h);
-    return (V2){ (float)it->x0 - rx + u.x * w, (float)it->y0 - ry + u.y * h };
+    l->place = places_at(where, sample_2d(&t->sampler, DECISION(DECIDE_PIXEL, 0)));
+    l->area = places_share(where);
 }
 
 static Ray eye_ray(const Scene *s, V2 place, Tracer *t)
@@ -183,7 +179,7 @@ static float sample(const Pssmlt *it, Walk *w, Tracer *t)
         pmf = choose_technique(it, sample_1d(&t->sampler, DECISION(DECIDE_TECHNIQUE, 0)), &only);
         t->only = &only;
     }
-    l->place = place_of(it, t, &l->area);
+    choose_place(l, t);
     film_awaits_splat(t->canvas->film, l->place);
     r = eye_ray(it->chains.base.scene, l->place, t);
     if (it->tallies)
@@ -333,8 +329,6 @@ static bool prepare(Integrator *base, const Film *f, uint64_t seed)
     it->y0 = f->y0;
     it->w = f->w;
     it->h = f->h;
-    it->full_w = f->full_w;
-    it->full_h = f->full_h;
     it->tallies = it->direct || f->layers > 1;
     return (!k->prepare || k->prepare(it->over, f, seed)) && chains_prepare(base, f, seed);
 }
