@@ -173,7 +173,7 @@ static Rgb ask(const Bidirectional *b, Eye *e, const Vertex *z, Tracer *t)
         return rgb_all(0.0f);
     there = surface_at(ls.p, ls.err, ls.n, (V2){ 0, 0 });
     pdf = pmf * ls.pdf_w;
-    d2 = from_beyond(l) ? 1.0f : ls.dist * ls.dist;
+    d2 = lamp_is_beyond(l) ? 1.0f : ls.dist * ls.dist;
     r = rivals_at(&e->odds, &b->techniques, s.back,
                   b->techniques.straight && merges_here(b, e),
                   sent_pdf(b, l, &there, v_neg(ls.wi)) * s.cosine /

@@ -19,7 +19,7 @@ static bool leave(const Bidirectional *b, Particle *p, float time, Start *s, Odd
     if (!s->lamp)
         return false;
     s->pdf = by->kind->pmf(by, v_all(0.0f), v_all(0.0f), s->lamp) * s->e.pdf_a * s->e.pdf_w;
-    cosine = from_beyond(s->lamp) ? 1.0f : s->e.cosine;
+    cosine = lamp_is_beyond(s->lamp) ? 1.0f : s->e.cosine;
     *o = (Odds){ 0.0f, s->lamp->kind->delta ? 0.0f : raised(&b->techniques, cosine / s->pdf),
                  0.0f, 0.0f };
     return true;
@@ -52,7 +52,7 @@ static bool arrive(const Bidirectional *b, Particle *p, const Start *start, V3 *
     d2 = v_dot(way, way);
     if (p->depth == 0) {
         o->last = last_of_lamp(b, start, &y->v, p->ray.d, d2);
-        if (from_beyond(start->lamp))
+        if (lamp_is_beyond(start->lamp))
             d2 = 1.0f;
     }
     odds_arrive(o, &b->techniques, d2, v_absdot(y->v.s.ng, p->ray.d));

@@ -17,15 +17,14 @@ double bothpath_brightness(const BothPaths *it, const LightPath *p, double scale
 
 /* ---- densities ---- */
 
-static bool is_shape(const Light *l) { return !l->kind->infinite && !l->kind->delta; }
-
 /* Of what the lamp sends. */
 static double sent_density(const BothPaths *it, const PathEnd *e)
 {
     const LightSampler *by = it->sending;
     float a = 0.0f, w = 0.0f;
 
-    e->light->kind->emit_pdf(e->light, is_shape(e->light) ? &e->s : NULL, v_neg(e->to.wi), &a, &w);
+    e->light->kind->emit_pdf(e->light, lamp_is_shape(e->light) ? &e->s : NULL, v_neg(e->to.wi),
+                             &a, &w);
     return (double)by->kind->pmf(by, v_all(0.0f), v_all(0.0f), e->light) * a * w;
 }
 
@@ -98,7 +97,7 @@ static bool finds_lamp(LightPath *p, const Whence *by, Tracer *t)
     V3 way = v_sub(by->from, at->s.p);
     Walk w;
 
-    if (!is_shape(p->end.light))
+    if (!lamp_is_shape(p->end.light))
         return true;
     w = (Walk){ vertex_ray(at, v_unit(way)), by->medium, { 1, 1, 1 }, -1.0f };
     return eyepath_meets_point(p, p->end.light, by->from, v_len(way), &w, t);

@@ -5,11 +5,6 @@
 
 #include "integrators/bidirectional.h"
 
-INLINE bool from_beyond(const Light *l)
-{
-    return l->kind->infinite || l->kind->delta == DELTA_DIRECTION;
-}
-
 /* The density with which the vertex asks the lamp for what comes along -wi: per solid angle, or 1
  * of a delta. there: the lamp's surface, if it has any. */
 INLINE float asked_pdf(const Bidirectional *b, const Light *l, V3 p, V3 up, V3 wi,
@@ -23,7 +18,7 @@ INLINE float asked_pdf(const Bidirectional *b, const Light *l, V3 p, V3 up, V3 w
 /* The same per area of the lamp, where it has one. n: its normal. */
 INLINE float per_area(const Light *l, float pdf, V3 n, V3 wi, float d2)
 {
-    return l->kind->delta || l->kind->infinite ? pdf : pdf * v_absdot(n, wi) / d2;
+    return lamp_is_shape(l) ? pdf * v_absdot(n, wi) / d2 : pdf;
 }
 
 /* The density with which the lamp sends a path from there the way d, per area and solid angle. */

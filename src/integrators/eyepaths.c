@@ -32,20 +32,14 @@ static float chance_at(const PathVertex *v)
 
 /* ---- asking for a light ---- */
 
-static V3 up_of(const PathVertex *v)
-{
-    if (v->at->b->flags & BSDF_TRANSMIT)
-        return v_all(0.0f);
-    return v->wo.z < 0.0f ? v_neg(v->at->frame.n) : v->at->frame.n;
-}
-
 /* The density with which vertex i asks for the end that follows it. */
 static float asked_pdf(const EyePaths *it, const LightPath *p, int i)
 {
     const PathVertex *v = &p->v[i];
     const PathEnd *e = &p->end;
     V3 from = v->at->s.p;
-    float pmf = it->lights->kind->pmf(it->lights, from, up_of(v), e->light);
+    V3 up = vertex_up_from(v->at, v->wo);
+    float pmf = it->lights->kind->pmf(it->lights, from, up, e->light);
 
     if (e->light->kind->delta)
         return pmf;
@@ -72,8 +66,9 @@ static bool asks(const EyePaths *it, LightPath *p, int i, Tracer *t)
     PathVertex *v = &p->v[i];
     float u = it->scene->nlights > 1 ? sample_1d(&t->sampler, DECISION(DECIDE_LIGHT, i)) : 0.0f;
     V2 point = sample_2d(&t->sampler, DECISION(DECIDE_LIGHT_POINT, i));
+    V3 up = vertex_up_from(v->at, v->wo);
     float pmf, left;
-    const Light *l = it->lights->kind->pick(it->lights, v->at->s.p, up_of(v), u, &pmf, &left);
+    const Light *l = it->lights->kind->pick(it->lights, v->at->s.p, up, u, &pmf, &left);
     LightSample ls;
     Walk w;
 
@@ -82,7 +77,7 @@ static bool asks(const EyePaths *it, LightPath *p, int i, Tracer *t)
         return false;
     w = (Walk){ vertex_ray(v->at, ls.wi), medium_beyond(&v->at->s, ls.wi, v->medium),
                 { 1, 1, 1 }, -1.0f };
-    if (!l->kind->delta && !l->kind->infinite)
+    if (lamp_is_shape(l))
         return eyepath_meets_point(p, l, ls.p, ls.dist, &w, t) && path_joins(p, i) &&
                path_colours(p);
     return path_ends(p, l, NULL, &w) && path_joins(p, i) && path_is_clear(p, i, t) &&

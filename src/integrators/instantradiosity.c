@@ -315,7 +315,7 @@ static bool find_others(Radiosity *it, const Scene *s)
     if (!it->other)
         return false;
     for (size_t i = 0; i < s->nlights; i++)
-        if (s->lights[i]->kind->infinite || s->lights[i]->kind->delta)
+        if (!lamp_is_shape(s->lights[i]))
             it->other[it->nothers++] = s->lights[i];
     it->lighting.all = true;
     lighting_shares(&it->lighting, 1, 1);

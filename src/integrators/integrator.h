@@ -193,6 +193,13 @@ INLINE bool tracer_passes(Tracer *t, const Ray *r, uint32_t medium, Rgb *c)
     *c = rgb_mul(*c, scene_transmittance(t->scene, r, medium));
     return !rgb_black(*c);
 }
+/* Lamps that shine from beyond the scene, and those that are shapes in it: others are points. */
+INLINE bool lamp_is_beyond(const Light *l)
+{
+    return l->kind->infinite || l->kind->delta == DELTA_DIRECTION;
+}
+INLINE bool lamp_is_shape(const Light *l) { return !l->kind->infinite && !l->kind->delta; }
+
 /* The ray that tells whether anything stands between the surface point and the light's. */
 INLINE Ray shadow_ray(const Surface *from, const LightSample *to)
 {

@@ -175,11 +175,6 @@ bool path_reaches_lens(LightPath *p, Places where, const Walk *w, CameraSample *
 
 /* ---- ends ---- */
 
-static bool end_is_shape(const PathEnd *e)
-{
-    return !e->light->kind->infinite && !e->light->kind->delta;
-}
-
 /* As seen from a point. False: black. */
 static bool end_shows(PathEnd *e, V3 from)
 {
@@ -226,7 +221,7 @@ static bool shown_next(LightPath *p, int i, LightSample *to)
     if (i + 1 == p->edges) {
         if (!end_shows(&p->end, from))
             return false;
-        if (end_is_shape(&p->end))
+        if (lamp_is_shape(p->end.light))
             p->end.medium = medium_beyond(&p->end.s, v_neg(p->end.to.wi), p->end.medium);
         *to = p->end.to;
         return true;

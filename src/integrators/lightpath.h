@@ -163,7 +163,7 @@ INLINE double path_ending(const LightPath *p)
 {
     const LightKind *k = p->end.light->kind;
     return k->delta == DELTA_PLACE ? (double)p->end.to.dist * p->end.to.dist
-           : k->infinite || k->delta ? 1.0 : (double)p->end.cosine;
+           : lamp_is_shape(p->end.light) ? (double)p->end.cosine : 1.0;
 }
 /* and the lens, for vertex 1: from directions there to places on a picture of area 1. */
 INLINE double path_lens(const LightPath *p, const Camera *camera)
@@ -178,8 +178,7 @@ INLINE float path_area(const LightPath *p, int i)
 {
     if (i + 1 < p->edges)
         return p->v[i + 1].cos_o / f_sqr(p->v[i + 1].dist);
-    return is_finite(p->end.to.dist) && !p->end.light->kind->delta
-               ? p->end.cosine / f_sqr(p->end.to.dist) : 1.0f;
+    return lamp_is_shape(p->end.light) ? p->end.cosine / f_sqr(p->end.to.dist) : 1.0f;
 }
 
 #endif

@@ -8,7 +8,7 @@ static bool place(Particle *p, const Scene *s, const Light *l, const Emission *e
     p->medium = s->around;
     if (LIKELY(!s->nmedia))
         return true;
-    if (l->kind->infinite || l->kind->delta == DELTA_DIRECTION)
+    if (lamp_is_beyond(l))
         return s->around == NO_MEDIUM;
     p->medium = scene_medium_at(s, emission_ray(e, time).o, time);
     return true;

@@ -108,12 +108,10 @@ static bool load_vertex(PathVertex *v, Vertex *room, const Scene *s, Loading *l)
 
 /* ---- ends ---- */
 
-static bool is_shape(const Light *l) { return !l->kind->infinite && !l->kind->delta; }
-
 static void save_lit(const PathEnd *e, const Scene *s, Saving *to)
 {
     save_u32(to, e->light->index);
-    if (is_shape(e->light))
+    if (lamp_is_shape(e->light))
         save_surface(&e->s, s, to);
     save_members(e, of_end, to);
 }
@@ -125,7 +123,7 @@ static bool load_lit(PathEnd *e, const Scene *s, Loading *l)
     if (light >= s->nlights)
         return false;
     e->light = s->lights[light];
-    if (is_shape(e->light) &&
+    if (lamp_is_shape(e->light) &&
         (!load_surface(&e->s, s, l) || scene_light_of(s, &e->s) != e->light))
         return false;
     load_members(e, of_end, l);

@@ -66,14 +66,15 @@ INLINE bool vertex_turns(const Vertex *v, BsdfSample *s)
     return v_dot(s->wi, v->s.ng) * z > 0.0f;
 }
 
-/* The normal on the side from which light can reach the viewer; 0: that may be both sides. For
- * light samplers. */
-INLINE V3 vertex_up(const Vertex *v)
+/* The normal on the side from which light can reach the viewer, who is where wo points, local; 0:
+ * that may be both sides. For light samplers. */
+INLINE V3 vertex_up_from(const Vertex *v, V3 wo)
 {
     if (v->b->flags & BSDF_TRANSMIT)
         return v_all(0.0f);
-    return v->wo.z < 0.0f ? v_neg(v->frame.n) : v->frame.n;
+    return wo.z < 0.0f ? v_neg(v->frame.n) : v->frame.n;
 }
+INLINE V3 vertex_up(const Vertex *v) { return vertex_up_from(v, v->wo); }
 
 /* Scatters by given numbers. s->wi is of the world. False: absorbed. */
 INLINE bool vertex_sample_by(const Vertex *v, float lobe, V2 u, BsdfSample *s)

@@ -141,8 +141,6 @@ static void leave(Leaves *to, const VirtualLight *l, int depth, const Vertex *v,
     to->light++;
 }
 
-static bool has_place(const Light *l) { return !l->kind->infinite && !l->kind->delta; }
-
 static void trace(Leaves *to, Tracer *t)
 {
     const VirtualLights *it = to->it;
@@ -155,7 +153,7 @@ static void trace(Leaves *to, Tracer *t)
     lamp = particle_leaves(&p, it->by, scene_time(it->scene, 0.5f), t, &e);
     if (!lamp || it->maxdepth < 1)
         return;
-    if (has_place(lamp) &&
+    if (lamp_is_shape(lamp) &&
         of_lamp(&l, lamp, &e, rgb_max(p.flux) / (rgb_max(e.L) * e.cosine) * e.pdf_w * each))
         leave(to, &l, 0, NULL, e.d);
     while (p.depth + 1 < it->maxdepth) {
