@@ -8,7 +8,7 @@ static void tally_radius(Tracer *t, int i, Rgb c)
         t->tally->radius[i] = rgb_add(t->tally->radius[i], c);
 }
 
-/* See Bidirectional.shown. */
+/* See Lens in bidirectional.h. */
 static const float SHOWN = 1.0f / 3.0f;
 
 /* ---- the eye's path ---- */
@@ -44,8 +44,10 @@ static Rgb weighed(const Bidirectional *b, const Eye *e, Rivals r, Rgb c, int ve
 {
     static const Strategy strategy[] = { STRATEGY_IMPLICIT, STRATEGY_EXPLICIT, STRATEGY_CONNECT };
     float weight = rivals_connected(r, &b->techniques, b->techniques.eta);
-    Rgb counts = rgb_scale(c = rgb_scale(c, e->share), weight);
+    Rgb counts;
 
+    c = rgb_scale(c, e->share);
+    counts = rgb_scale(c, weight);
     if (LIKELY(!t->tally))
         return counts;
     tracer_tally(t, e->beam.depth + 1 + vertices, strategy[vertices < 2 ? vertices : 2], counts);
@@ -271,7 +273,7 @@ static Rgb merge_all(const Bidirectional *b, const Eye *e, const Vertex *z, Poin
             if (!merge(b, e, z, near[i].k, &c, &r))
                 continue;
             t->work.mergers++;
-            counts = rgb_scale(c, rivals_merged(r, q, q->eta) / q->eta);
+            counts = rgb_scale(c, rivals_merged(r, q, q->eta) / q->eta);       /* [GIRT (3.5)] */
             tracer_tally(t, (int)near[i].k->edges + e->beam.depth + 1, STRATEGY_MERGE, counts);
             for (int j = 0; j < b->radii; j++)
                 if (near[i].d2 < b->by[j].radius * b->by[j].radius)
@@ -448,7 +450,6 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
      * told */
     b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
     b->shown = SHOWN;
-    b->techniques.straight = false;
     /* one lamp is no choice: whether it can be seen, sampling it tells */
     b->asked = lightsampler_open(s->nlights > 1 ? opt_string(o, "lightsampler") : "uniform", s);
     b->sending = lightsampler_open("power", s);

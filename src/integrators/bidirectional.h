@@ -66,9 +66,9 @@ typedef struct {
     Joins joins;
     int   maxdepth, roulette, split;
     bool  beside;               /* lamps are asked beside directions by the surface, light_sample */
-    float shown;                /* as many of the eye's as what light paths show to the lens is as
-                                 * good as, to weights */
-    float little;               /* see tries() */
+    float shown;                /* light paths for each of the eye's, as weights count them: fewer
+                                 * than there are, see Lens */
+    float little;               /* part of what is found: see the option */
     const LightStore *store;    /* borrowed: what is merged with, if eta > 0 */
     int   radii;                /* pictures by as many radii, the first of them the picture's: */
     struct { float radius, eta; } by[TALLY_RADII];

@@ -15,9 +15,9 @@
  * Traced      bothpath_traced follows one path from each end and joins them in all ways, weighed by
  *             the balance heuristic over all of them.
  * Single      bothpath_new makes one path of a given number of edges in a given way.
- * Chances     Of numbers of edges and ways: by the root of the mean square of what whole samples
- *             brought so, and a little evenly. Where colours over densities differ most, more are
- *             needed, or a chain stays for long at the largest of them, and as many start there.
+ * Chances     Of numbers of edges and ways, for single paths: half of them by the root of the mean
+ *             square of what traced ones brought so, half evenly. Where colours over densities
+ *             differ most, more are needed, or a chain stays for long at the largest of them.
  * Missing     A lamp that is a point, or shines in one direction, and is seen from the last smooth
  *             vertex by delta events alone, is found from the lamp only: so if the eye also sees
  *             that vertex by delta events alone, by no way. */

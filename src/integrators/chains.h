@@ -131,7 +131,7 @@ Step chain_steps(const Chains *cs, Chain *c, float brightness, float a, bool lar
 /* a of symmetric proposals, whose T are the same both ways. */
 INLINE float chain_accepts(const Chain *c, float brightness)
 {
-    return brightness < c->brightness ? brightness / c->brightness : 1.0f;
+    return brightness < c->brightness ? brightness / c->brightness : 1.0f;  /* [Cline07 (7.13)] */
 }
 
 #define CHAINS_OPTIONS                                                         \

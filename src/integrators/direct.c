@@ -9,8 +9,9 @@
  *             to the last term; above, only those paths are added of which all events but the last
  *             are delta.
  * Media       Scatter as surfaces do: the eye's ray may end in one, and lights shine through them.
- * Invariants  E[radiance] is the same for every strategy but ward, for scenes without delta lights
- *             (uniform and brdf cannot find those, and say so). */
+ * Invariants  E[radiance] is the same for every strategy, for scenes without delta lights (uniform
+ *             and brdf cannot find those, and say so); but for lights=ward, and for options of
+ *             which the table says that they are biased. */
 #include "integrators/direct.h"
 
 #include "base/mem.h"

@@ -22,7 +22,7 @@ static GuideKind kind_of(int map)
                            ? map : GUIDE_DISTANCE + (map - GUIDE_DISTANCE) % GUIDE_BOUNCE_MAPS);
 }
 
-/* Of those that have levels. */
+/* Of those whose share of decisions goes by the map alone; others are mixed with what is even. */
 static bool is_world(int map)
 {
     return kind_of(map) == GUIDE_LIGHT || kind_of(map) == GUIDE_DIRECTION;
@@ -275,7 +275,7 @@ void guide_learns(Guide *g, Tracer *t)
 /* The throughput is over the densities of numbers that were warped since the last time. */
 static void settle(Guide *g, Beam *b)
 {
-    b->throughput = rgb_scale(b->throughput, 1.0f / g->pending);
+    b->throughput = rgb_scale(b->throughput, 1.0f / g->pending);        /* [Cline07 (9.3)] */
     b->eta2 *= g->pending;
     g->pending = 1.0f;
 }
@@ -327,13 +327,13 @@ static void learn(Guide *g, int m, const Decided *d, float value)
 {
     const GuidePlan *p = g->plan;
     float *worth = g->worth + p->at[m], *moment = worth + learned_cells(p->shape[m]);
-    float now = g->share[m] * d->map + (1.0f - g->share[m]) * d->own;
+    float now = guide_both(g->share[m], d->map, d->own);
 
     if (!(value > 0.0f) || !(value < 1e15f))
         return;
     learned_add(worth, p->shape[m], d->place, value * value * now);
     for (int k = 0; k < GUIDE_LEVELS; k++) {
-        float x = share_at(p, k), at = x * d->map + (1.0f - x) * d->own;
+        float at = guide_both(share_at(p, k), d->map, d->own);
         moment[k] += value * value * f_min(now / f_max(at, 1e-30f), MOMENT_MOST);
     }
 }

@@ -37,6 +37,12 @@ struct Guide {
     int     direction, forked;  /* decided at this event: a map's number, a fork's; -1: not */
 };
 
+/* The density of what is decided by a map, in a share of all decisions, or as without it. */
+INLINE float guide_both(float share, float by_map, float own)
+{
+    return share * by_map + (1.0f - share) * own;               /* [Cline07 (9.2)] */
+}
+
 INLINE bool guide_has(const Guide *g, int map) { return g->plan->shape[map].w != 0; }
 
 /* The vertex's own map of lights, points or directions; -1: there is none. */

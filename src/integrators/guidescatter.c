@@ -1,7 +1,7 @@
 /* guidescatter.c -- where a guide has light go on: the direction from a surface, or the way at one
  * that reflects and refracts: see guide.h.
  *
- * Source      [Cline07 9.2, eq. 9.2]; errata 9.2 to 9.4.
+ * Source      [Cline07 9.2, (9.2)]; errata 9.2 to 9.4.
  * Directions  A share of them is drawn by a map over longitude and latitude, the others by the
  *             vertex; the density of either is that of both together.
  * Forks       Of two delta events one is chosen, by the map as far as it is trusted. */
@@ -37,12 +37,6 @@ static V3 direction_at(V2 place)
     return v3(st * cp, st * sp, ct);
 }
 
-/* (9.2) */
-static float both(const Guide *g, int map, float by_map, float own)
-{
-    return g->share[map] * by_map + (1.0f - g->share[map]) * own;
-}
-
 /* The map by which a share of directions goes; -1: none does. */
 static int map_in_use(const Guide *g)
 {
@@ -56,7 +50,7 @@ float guide_pdf_w(const Guide *g, V3 wi, float own)
 
     if (map < 0)
         return own;
-    return both(g, map, map_pdf_w(g, map, wi, place_of(wi)), own);
+    return guide_both(g->share[map], map_pdf_w(g, map, wi, place_of(wi)), own);
 }
 
 /* Density of a direction by the map, which is noted with its place: to look for both takes long. */
@@ -80,7 +74,7 @@ static bool scatters_by_map(Guide *g, int map, const Vertex *v, V2 u, BsdfSample
     if (!vertex_local(v, s->wi, &local))
         return false;
     own = vertex_pdf_w(v, local);
-    s->pdf_w = both(g, map, noted_pdf_w(g, map, s->wi), own);
+    s->pdf_w = guide_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
     s->weight = rgb_scale(vertex_f_cos(v, local), 1.0f / s->pdf_w);
     s->flags = BSDF_SMOOTH | (same_side(local, v->wo) ? BSDF_REFLECT : BSDF_TRANSMIT);
     s->eta = 1.0f;
@@ -98,7 +92,7 @@ static bool scatters_beside_map(Guide *g, int map, const Vertex *v, Tracer *t, i
         return false;
     own = s->pdf_w;
     if (own > 0.0f) {
-        s->pdf_w = both(g, map, noted_pdf_w(g, map, s->wi), own);
+        s->pdf_w = guide_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
         *thinned = s->pdf_w / own;
     } else
         *thinned = 1.0f - g->share[map];
@@ -156,7 +150,7 @@ static bool scatters_by_fork(Guide *g, const Vertex *v, Tracer *t, int at,
 
     if (own > 0.0f && own < 1.0f) {
         share = g->plan->share * map[2];
-        p = share * map[1] / (map[0] + map[1]) + (1.0f - share) * own;
+        p = share * map[1] / (map[0] + map[1]) + (1.0f - share) * own;      /* [Cline07 (9.2)] */
     }
     refracts = sample_1d(&t->sampler, DECISION(DECIDE_LOBE, at)) < p;
     *s = e[refracts];

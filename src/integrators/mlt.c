@@ -4,11 +4,9 @@
  * Idea        A chain goes from path to path: by a small move, see mutations.h, or now and then to
  *             a new path, see bothpaths.h; it comes to each in proportion to the luminance of its
  *             colour. So where light is found it is looked at from near by, pixel after pixel.
- * New paths   have a number of edges and a way to be made first, drawn by the root of the mean
- *             square of what the samples among which chains begin brought so (and a little evenly):
- *             where colours over densities differ most, more are needed, or chains stay for long at
- *             the largest of them. Their density is the sum over all ways, each with its chance.
- *             Their mean goes on to refine how bright the picture is.
+ * New paths   have a number of edges and a way to be made first, by chances that the samples among
+ *             which chains begin have told, see bothpaths.h. Their density is the sum over all
+ *             ways, each with its chance. Their mean goes on to refine how bright the picture is.
  * States      count alike, whatever their colour, for it is as states of this one measure that
  *             their mutations are weighed: Chain.brightness is 1, or 0 before any light is found.
  * Direct      light is left to `direct` with direct=yes, one sample of each pixel a pass: paths are

@@ -98,7 +98,7 @@ Mutation mutation_chosen(const Mutator *it, const LightPath *p, float u)
 
 /* ---- small moves ---- */
 
-/* Between least and most, uniform by its logarithm. */
+/* Between least and most, uniform by its logarithm [Cline07 figs 7.25, 7.26]. */
 static float by_logarithm(float least, float most, Rng *r)
 {
     return most * m_exp(-m_log(most / least) * rng_unit(r));
@@ -276,7 +276,7 @@ double mutated(const Mutator *it, Move m, const LightPath *x, LightPath *y,
         !path_colours(y))
         return 0.0;
     from = worth(m, x, c);
-    return from > 0.0 ? worth(m, y, c) / from : 0.0;            /* [Cline07 (7.14)] */
+    return from > 0.0 ? worth(m, y, c) / from : 0.0;            /* [Cline07 (7.14), (8.6)] */
 }
 
 double mutation_tried(const Mutator *it, const LightPath *x, LightPath *y, Vertex *const *rooms,

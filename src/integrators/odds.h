@@ -127,11 +127,12 @@ INLINE float odds_weight(float others)
 /* The weight of a connection, and that of a merger. */
 INLINE float rivals_connected(Rivals r, const Techniques *q, float eta)
 {
-    return odds_weight(eta > 0.0f ? r.connect + raised(q, eta) * r.merge : r.connect);
+    return odds_weight(eta > 0.0f ? r.connect + raised(q, eta) * r.merge        /* [GIRT (3.7)] */
+                                  : r.connect);                                 /* [GIRT (2.65)] */
 }
 INLINE float rivals_merged(Rivals r, const Techniques *q, float eta)
 {
-    return odds_weight(r.merge + r.connect / raised(q, eta));
+    return odds_weight(r.merge + r.connect / raised(q, eta));                   /* [GIRT (3.7)] */
 }
 
 #endif

@@ -5,9 +5,9 @@
  *             numbers, and those that choose the place on the picture, the lens and the moment, are
  *             the state of a chain: what it splats and what it sees along the ray of the eye is
  *             f(x), the sum of luminances I(x). Small steps change all numbers a little, so that a
- *             path that found much light is followed by many of its like; large ones, with a
- *             probability that depends on nothing, are new samples. Both are symmetric (see
- *             primary.h), so what has to be known of the other method is nothing at all.
+ *             path that found much light is followed by many of its like; large ones, whose turn
+ *             comes whatever the state is, are new samples. Both are symmetric (see primary.h), so
+ *             what has to be known of the other method is nothing at all.
  * Weights     See chains.h.
  * Techniques  A sample of bdpt makes paths in all ways that there are; or, with techniques=one, in
  *             a single way, which is a number of the sample as well, and counts for all the others:
@@ -20,11 +20,11 @@
  * Evenly      Large steps come at equal distances. All chains' together, the m-th of chain k of n
  *             being number m n + k, go to each of N cells of the picture, a pixel each, before any
  *             has its turn again, in an order of their own each time: so they cover it as samples
- *             of a pixel do (relMSE of s5 at equal time 0.8 of what it was). But a proposal must
- *             not depend on its own chain's past, and a chain that has had v turns since the order
- *             was made knows v cells that will not come. So with the probability v / N it goes to
- *             one of these, any of them, instead of the next: then all are alike likely, whatever
- *             it has seen. */
+ *             of a pixel do: in equal time relMSE of s5 is 0.8 of that with places by chance. But a
+ *             proposal must not depend on its own chain's past, and a chain that has had v turns
+ *             since the order was made knows v cells that will not come. So with the probability
+ *             v / N it goes to one of these, any of them, instead of the next: then all are alike
+ *             likely, whatever it has seen. */
 #include "base/mem.h"
 #include "integrators/chains.h"
 #include "sampling/pattern.h"

@@ -33,7 +33,8 @@ static void begin_pass(Vcm *it, uint32_t pass)
     it->store.radius = r;
     for (int k = 0; k < it->radii; k++, r *= 0.5f) {
         it->both.by[k].radius = r;
-        it->both.by[k].eta = (float)((double)PI * r * r * (double)it->store.arrivals.paths);
+        it->both.by[k].eta = (float)((double)PI * r * r *              /* [GIRT (3.3)] */
+                                     (double)it->store.arrivals.paths);
     }
     it->both.techniques.eta = it->merges ? it->both.by[0].eta : 0.0f;
     it->both.radii = it->merges ? it->radii : 0;
