@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
 enum { STEP_MOST = 26 };                /* that matters to any policy */
 
 #define POLICIES(X)                                                                     \

@@ -17,6 +17,7 @@
 typedef struct Adaptive Adaptive;
 
 enum { SEEN_MARKS = 8 };
+enum { PASS_MOST = 64 };                /* most samples a pixel in a pass, by a policy or not */
 
 /* What has been seen of one pixel. */
 typedef struct {

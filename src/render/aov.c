@@ -1,5 +1,5 @@
 /* aov.c -- extra pictures: what the eye ray meets first, the light apart by path length and by
- * strategy, and how sure it is. See render.h.
+ * strategy, and how sure it is. See aov.h.
  *
  * How         Each is a layer of the film, a sum over the samples of a pixel; most are its mean. Of
  *             some the ratio of two sums is what is wanted: the third component is the divisor
@@ -8,7 +8,7 @@
  * Variance    Of the mean c of n independent samples: (E[c^2] - E[c]^2) / (n - 1) [Welford62]. Of
  *             stratified ones that is too much. Where light comes in splats it is the square of how
  *             far two halves of the passes lie apart, of luminance: true in the mean, and noisy. */
-#include "render/render.h"
+#include "render/aov.h"
 
 #include "base/number.h"
 #include "base/text.h"
@@ -169,35 +169,6 @@ const char *aov_layer(const Aov *a, char *name, size_t room)
 }
 
 const char *aov_channels(const Aov *a) { return info_of(a->kind)->channels; }
-
-int settings_aov(RenderSettings *s, AovKind kind, int which)
-{
-    int k = s->naovs;
-
-    for (int i = 0; i < k; i++)
-        if (s->aovs[i].kind == kind && s->aovs[i].which == which)
-            return i;
-    ASSERT(k < AOVS_MAX);
-    s->naovs++;
-    s->aovs[k] = (Aov){ .kind = kind, .which = which };
-    if (kind == AOV_VARIANCE && which != AOV_PICTURE)
-        s->aovs[k].of = 1 + settings_aov(s, (AovKind)which, 0);
-    return k;
-}
-
-bool settings_aovs_fit(RenderSettings *s)
-{
-    for (int k = 0, n = s->naovs; k < n; k++) {
-        Aov *a = &s->aovs[k];
-        bool part = a->kind == AOV_VARIANCE && a->which != AOV_PICTURE;
-        if (s->integrator->splats && (part || a->kind == AOV_EDGES))
-            return err_usage("--aov %s wants samples that are a pixel's own, %s has others",
-                             part ? "variance:NAME" : "edges", s->integrator->info.name);
-        if (part)
-            a->of = 1 + settings_aov(s, (AovKind)a->which, 0);
-    }
-    return true;
-}
 
 /* ---- what they need ---- */
 

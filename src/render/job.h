@@ -73,6 +73,19 @@ INLINE bool phase_lasts(const IntegratorKind *k, int phase)
 bool job_init(Job *j);
 void job_clear(Job *j);         /* the film stays */
 
+/* ---- pause.c ---- */
+
+void job_start_clocks(Job *j);  /* at the first sample, or where the state was left */
+void job_report(const Job *j, RenderReport *r);         /* by now; all but the work */
+void job_report_work(const Job *j, RenderReport *r);
+/* Whether units that have no say shall wait till somebody has looked or kept. */
+bool job_wants_pause(const Job *j);
+/* Sets when units that have a say shall end for that. */
+void job_plan_pause(Job *j);
+/* What they do then is not counted as rendering. whole: between passes. */
+void job_pause(Job *j, bool whole);
+void job_keep(Job *j, bool last);
+
 /* ---- state.c ---- */
 
 /* Reads the state that was asked for, sees that it is of this render, and takes the film over and

@@ -6,16 +6,15 @@
  * the pixel and the sample's index, and the film's sums are exact. Budgets are looked at after
  * every unit and between the pixels of a tile, so an interrupt or a limit of time leaves a whole
  * picture soon, some of whose pixels have had a pass more than others; what is done of each unit is
- * noted, so that the rest may follow, now or another day (state.c). A share of a render has some of
- * its samples, by number, or its own random numbers where samples build on each other. */
+ * noted, so that the rest may follow, now (pause.c) or another day (state.c). A share of a render
+ * has some of its samples, by number, or its own random numbers where samples build on each
+ * other. */
 #include "render/job.h"
 
 #include "base/clock.h"
 #include "base/work.h"
 
 #include <string.h>
-
-enum { PASS_MOST = 64 };                /* most samples a pixel in one pass */
 
 /* ---- units of camera samples ---- */
 
@@ -154,110 +153,7 @@ static double fraction_done(const Job *j, double pass_done)
     return f < 1 ? f : 1;
 }
 
-static void report_now(const Job *j, RenderReport *r)
-{
-    r->seconds = clock_wall() - j->start;
-    r->cpu_seconds = clock_cpu() - j->cpu;
-    r->samples = j->adapts ? adaptive_taken(&j->adaptive)
-               : j->film->splats ? j->film->splats->shots : film_samples(j->film);
-    r->rays = j->rays;
-    r->passes = j->pass;
-    r->before = j->before;
-    r->spp = !j->integrator->kind->radiance
-                 ? j->first + (j->midway ? j->count : 0)
-                 : (double)r->samples / ((double)j->film->w * j->film->h);
-    r->interrupted = j->settings.stop && *j->settings.stop;
-}
-
-static void report_work(const Job *j, RenderReport *r)
-{
-    for (int i = 0; i < j->settings.threads; i++) {
-        const PathWork *w = &j->tracers[i].work;
-        r->work.from_lamps += w->from_lamps;
-        r->work.from_eye += w->from_eye;
-        r->work.lamp_edges += w->lamp_edges;
-        r->work.eye_edges += w->eye_edges;
-        r->work.joins += w->joins;
-        r->work.mergers += w->mergers;
-    }
-}
-
-/* Somebody wants to see what there is by now. */
-static bool time_to_look(const Job *j)
-{
-    const RenderWatch *w = j->settings.watch;
-    return w && j->looked_seconds < w->nseconds &&
-           clock_wall() - j->start >= w->seconds[j->looked_seconds];
-}
-
-static bool samples_to_look(const Job *j)
-{
-    const RenderWatch *w = j->settings.watch;
-    return w && j->looked_spp < w->nspp && j->first >= w->spp[j->looked_spp];
-}
-
-/* ---- pauses: between units, when no thread works ---- */
-
-static void look(Job *j)
-{
-    const RenderWatch *w = j->settings.watch;
-    RenderReport r;
-
-    report_now(j, &r);
-    while (j->looked_seconds < w->nseconds && r.seconds >= w->seconds[j->looked_seconds])
-        j->looked_seconds++;
-    while (samples_to_look(j))
-        j->looked_spp++;
-    if (!w->look(w->ctx, j->film, &r))
-        j->ended = true;
-}
-
-static void keep(Job *j, bool last)
-{
-    const RenderKeeper *k = j->settings.keeper;
-    RenderReport r;
-
-    report_now(j, &r);
-    k->keep(k->ctx, j, j->film, &r, last);
-    j->keep_at = k->every > 0 ? clock_wall() + k->every : INFINITY;
-}
-
-static void look_again(Job *j)
-{
-    const RenderWatch *w = j->settings.watch;
-    j->look_at = w && w->every > 0 ? clock_wall() + w->every : INFINITY;
-}
-
-/* What is done meanwhile is not counted as rendering. whole: between passes. */
-static void rest(Job *j, bool whole)
-{
-    double wall = clock_wall(), cpu = clock_cpu();
-    bool wanted = whole ? samples_to_look(j) || time_to_look(j)
-                        : j->pass && j->integrator->kind->radiance && time_to_look(j);
-
-    wanted = wanted || wall >= j->look_at;
-    j->paused = false;
-    if (wall >= j->keep_at && (whole || j->midway))
-        keep(j, false);
-    if (wanted) {
-        look(j);
-        look_again(j);
-    }
-    j->start += clock_wall() - wall;
-    j->cpu += clock_cpu() - cpu;
-}
-
 /* ---- units, phases, passes ---- */
-
-/* When units that have a say are to end early. */
-static void plan_pause(Job *j)
-{
-    double end = j->settings.seconds > 0 ? j->start + j->settings.seconds : INFINITY;
-
-    j->pause_at = j->midway && j->keep_at < end ? j->keep_at : end;
-    if (j->look_at < j->pause_at)
-        j->pause_at = j->look_at;
-}
 
 static bool out_of_time(const Job *j)
 {
@@ -287,8 +183,7 @@ static bool after_unit(void *ctx, uint64_t done, int worker)
     j->integrator->failed = j->integrator->failed || j->tracers[worker].failed;
     if (out_of_time(j) || j->integrator->failed)
         j->ended = true;
-    else if ((j->midway && clock_wall() >= j->keep_at) || clock_wall() >= j->look_at ||
-             (j->pass && j->integrator->kind->radiance && time_to_look(j)))
+    else if (job_wants_pause(j))
         j->paused = true;
     return !j->ended && !j->paused;
 }
@@ -344,8 +239,8 @@ static void run_phase(Job *j, int phase)
     }
     do {
         if (j->paused)
-            rest(j, false);
-        plan_pause(j);
+            job_pause(j, false);
+        job_plan_pause(j);
         while (j->first_unit < j->phase_units && j->done[j->first_unit] == UNIT_DONE)
             j->first_unit++;
         w.units = j->phase_units - j->first_unit;
@@ -459,7 +354,7 @@ static void run_passes(Job *j)
         j->midway = false;
         if (k->splats)
             film_pass(j->film);
-        rest(j, true);
+        job_pause(j, true);
         if (good_enough(j))
             break;
     }
@@ -510,12 +405,7 @@ static bool report_refused(const Film *f)
 /* From the first sample on, or from where the state was left. False: reported. */
 static bool run(Job *j)
 {
-    const RenderKeeper *k = j->settings.keeper;
-
-    j->cpu += clock_cpu();
-    j->start += clock_wall();
-    j->keep_at = k && k->every > 0 ? clock_wall() + k->every : INFINITY;
-    look_again(j);
+    job_start_clocks(j);
     if (!prepare(j))
         return false;
     if (j->pending && !j->ended && !job_take_state(j))
@@ -526,8 +416,8 @@ static bool run(Job *j)
         run_passes(j);
     if (j->integrator->failed)
         return false;
-    if (k && !j->pending)
-        keep(j, true);
+    if (j->settings.keeper && !j->pending)
+        job_keep(j, true);
     return true;
 }
 
@@ -552,8 +442,8 @@ bool render(const Scene *scene, const RenderSettings *settings, Film *film, Rend
         ok = run(&j);
         if (ok && j.integrator->kind->finish)
             ok = j.integrator->kind->finish(j.integrator, film);
-        report_now(&j, report);
-        report_work(&j, report);
+        job_report(&j, report);
+        job_report_work(&j, report);
         progress_end(&j.progress);
         ok = ok && report_refused(film);
     }

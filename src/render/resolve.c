@@ -199,6 +199,35 @@ bool settings_adaptive(RenderSettings *s, const RenderRequest *q, Arena *arena)
     return true;
 }
 
+int settings_aov(RenderSettings *s, AovKind kind, int which)
+{
+    int k = s->naovs;
+
+    for (int i = 0; i < k; i++)
+        if (s->aovs[i].kind == kind && s->aovs[i].which == which)
+            return i;
+    ASSERT(k < AOVS_MAX);
+    s->naovs++;
+    s->aovs[k] = (Aov){ .kind = kind, .which = which };
+    if (kind == AOV_VARIANCE && which != AOV_PICTURE)
+        s->aovs[k].of = 1 + settings_aov(s, (AovKind)which, 0);
+    return k;
+}
+
+bool settings_aovs_fit(RenderSettings *s)
+{
+    for (int k = 0, n = s->naovs; k < n; k++) {
+        Aov *a = &s->aovs[k];
+        bool part = a->kind == AOV_VARIANCE && a->which != AOV_PICTURE;
+        if (s->integrator->splats && (part || a->kind == AOV_EDGES))
+            return err_usage("--aov %s wants samples that are a pixel's own, %s has others",
+                             part ? "variance:NAME" : "edges", s->integrator->info.name);
+        if (part)
+            a->of = 1 + settings_aov(s, (AovKind)a->which, 0);
+    }
+    return true;
+}
+
 bool settings_resolve(RenderSettings *s, const RenderRequest *q, SceneFile *f)
 {
     memset(s, 0, sizeof *s);
