@@ -1,8 +1,9 @@
 /* test_base.c -- the ground floor: memory and its fault counter, messages, files under every fault,
- * text, random numbers, vectors and frames. */
+ * text, options, random numbers, vectors and frames. */
 #include "base/error.h"
 #include "base/file.h"
 #include "base/mem.h"
+#include "base/options.h"
 #include "base/random.h"
 #include "base/text.h"
 #include "base/vec.h"
@@ -614,6 +615,31 @@ static void words(void)
     EXPECT(text_peek(&t) == 0xEF, "half a mark is no mark");
 }
 
+/* ---- options.h ---- */
+
+/* A choice is known by its place in the table, also where one word begins like another. */
+static void choices(void)
+{
+    static const OptDef defs[] = {
+        { .key = "at", .type = OPT_INT },
+        { .key = "kind", .type = OPT_CHOICE, .str = "light", .choices = "lights all light no" },
+        { .key = NULL }
+    };
+    static const char *const words[] = { "lights", "all", "light", "no" };
+    Arena arena = { 0 };
+    char text[40];
+    Opts o;
+
+    opts_default(&o, defs);
+    EXPECT(opt_choice(&o, "kind") == 2, "the default: %d", opt_choice(&o, "kind"));
+    for (int k = 0; k < 4; k++) {
+        snprintf(text, sizeof text, "kind=%s", words[k]);
+        EXPECT(opts_parse(&o, "x", text, &arena) && opt_choice(&o, "kind") == k, "%s: %d", text,
+               opt_choice(&o, "kind"));
+    }
+    arena_clear(&arena);
+}
+
 /* ---- random.h ---- */
 
 /* Published outputs of SplitMix64 for the seed 1234567. */
@@ -897,6 +923,7 @@ const TestCase test_base[] = {
     { "paths", paths, false },
     { "lines", lines, false },
     { "words", words, false },
+    { "choices", choices, false },
     { "splitmix", splitmix, false },
     { "avalanche", avalanche, false },
     { "streams", streams, false },

@@ -10,17 +10,22 @@
 const char *const opt_type_names[] = { "bool", "integer", "float", "rgb", "point3", "floats",
                                        "string", "choice" };
 
-/* True if `word` is one of the blank-separated words of `list`. */
-static bool in_words(const char *list, const char *word, size_t n)
+/* Which of the blank-separated words of `list` the word is; -1: none. */
+static int place_in_words(const char *list, const char *word, size_t n)
 {
-    while (list && *list) {
+    for (int place = 0; list && *list; place++) {
         size_t k = strcspn(list, " ");
         if (k == n && !memcmp(list, word, n))
-            return true;
+            return place;
         list += k;
         list += strspn(list, " ");
     }
-    return false;
+    return -1;
+}
+
+static bool in_words(const char *list, const char *word, size_t n)
+{
+    return place_in_words(list, word, n) >= 0;
 }
 
 Param *params_find(const Params *ps, const char *name, const char *also)
@@ -295,4 +300,13 @@ bool opt_is(const Opts *o, const char *key, const char *choice)
 {
     const char *s = value_of(o, key)->str;
     return s && !strcmp(s, choice);
+}
+
+int opt_choice(const Opts *o, const char *key)
+{
+    const char *s = opt_string(o, key);
+    int place = place_in_words(o->defs[index_of(o->defs, key, strlen(key))].choices, s, strlen(s));
+
+    ASSERT(place >= 0);
+    return place;
 }

@@ -81,6 +81,7 @@ Rgb         opt_rgb(const Opts *o, const char *key);
 V3          opt_point(const Opts *o, const char *key);
 const char *opt_string(const Opts *o, const char *key);
 bool        opt_is(const Opts *o, const char *key, const char *choice);
+int         opt_choice(const Opts *o, const char *key); /* its place among the table's choices */
 bool        opt_given(const Opts *o, const char *key);
 void        opt_set_number(Opts *o, const char *key, double v);
 const Param *opt_param(const Opts *o, const char *key);  /* NULL: not from a scene file */

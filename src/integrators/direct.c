@@ -121,11 +121,9 @@ static void close_direct(Integrator *base)
 
 static bool choose_strategy(Direct *it, const Opts *o)
 {
-    static const char *const which[] = { "chosen", "all", "ward", "shirley" };
     const char *name = opt_string(o, "strategy");
 
-    while (strcmp(which[it->which], opt_string(o, "lights")))
-        it->which++;
+    it->which = (WhichLights)opt_choice(o, "lights");
     for (int i = 0; !it->strategy; i++)
         if (!strcmp(direct_strategies[i]->name, name))
             it->strategy = direct_strategies[i];
@@ -135,7 +133,7 @@ static bool choose_strategy(Direct *it, const Opts *o)
     if (it->which >= LIGHTS_WARD) {
         if (strcmp(name, "light") || it->lighting.directions)
             return err_usage("direct: lights=%s goes with strategy=light and occlusion=points, "
-                             "nothing else", which[it->which]);
+                             "nothing else", opt_string(o, "lights"));
         it->strategy = &direct_sorted;
     }
     if (it->which == LIGHTS_WARD &&

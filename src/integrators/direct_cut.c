@@ -28,7 +28,7 @@
 #include "base/mem.h"
 #include "lightsampling/lightcut.h"
 
-typedef enum { BRDF_COUNTS, BRDF_SINGLE, BRDF_NONE, BRDF_ALL } CutBrdf;
+typedef enum { BRDF_COUNTS, BRDF_SINGLE, BRDF_NONE, BRDF_ALL } CutBrdf;         /* by choices */
 
 typedef struct {
     PointLights lights;         /* owned, all of them */
@@ -58,14 +58,6 @@ static void close_cut(Direct *it)
     it->own = NULL;
 }
 
-static int index_of(const Opts *o, const char *key, const char *const *name)
-{
-    int i = 0;
-    while (strcmp(name[i], opt_string(o, key)))
-        i++;
-    return i;
-}
-
 /* False: warnings are fatal. */
 static bool warn_of_points(bool jitter, Indirect indirect)
 {
@@ -79,15 +71,13 @@ static bool warn_of_points(bool jitter, Indirect indirect)
 
 static bool open_points(Direct *it, const Opts *o, size_t most, WithinCluster within)
 {
-    static const char *const brdf[] = { "counts", "single", "none", "all" };
-    static const char *const indirect[] = { "no", "yes", "only" };
     CutRule rule = { most, opt_float(o, "sigma"), opt_float(o, "extent") };
     Cut *c = it->own = MEM_NEW(Cut);
 
     if (!c)
         return false;
-    c->brdf = (CutBrdf)index_of(o, "brdf", brdf);
-    c->indirect = (Indirect)index_of(o, "indirect", indirect);
+    c->brdf = (CutBrdf)opt_choice(o, "brdf");
+    c->indirect = (Indirect)opt_choice(o, "indirect");
     c->rays = (int)opt_int(o, "rays");
     c->samples = (int)opt_int(o, "samples");
     if (c->rays == 0)
@@ -103,10 +93,8 @@ static bool open_points(Direct *it, const Opts *o, size_t most, WithinCluster wi
 
 static bool open_cut(Direct *it, const Opts *o)
 {
-    static const char *const within[] = { "even", "light", "tree" };
-
     if (open_points(it, o, (size_t)opt_int(o, "clusters"),
-                    (WithinCluster)index_of(o, "within", within))) {
+                    (WithinCluster)opt_choice(o, "within"))) {
         Cut *c = it->own;
         int64_t tried = (int64_t)c->samples * opt_int(o, "judged");
         c->tentative = tried < SIR_MOST ? (int)tried : SIR_MOST;

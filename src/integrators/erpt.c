@@ -29,9 +29,9 @@
 
 #include "base/mem.h"
 
-typedef enum { FLOW_EQUAL, FLOW_DETAILED, FLOW_ITERATED } Flow;
+typedef enum { FLOW_DETAILED, FLOW_ITERATED, FLOW_EQUAL } Flow;
 
-enum { SAMPLES = 1 << 14, UNITS = 64 };         /* that tell e_d, in so many units */
+enum { SAMPLES = 1 << 14, UNITS = 64 };         /* samples that tell e_d, in so many units */
 enum { LEVELS_MOST = 10 };              /* of a tree: each stands on the stack */
 
 typedef struct {
@@ -46,8 +46,7 @@ typedef struct {
     Proposals *proposals;       /* owned; NULL: not wanted */
     bool  median;               /* how they are smoothed, and over what square */
     int   side;
-    uint64_t samples;           /* that tell e_d */
-    double found[UNITS];        /* energy of each unit of them, */
+    double found[UNITS];        /* energy of each unit of samples, */
     double deposit;             /* e_d; 0: no light was found */
     uint32_t x0, y0, w, h;      /* window of the film */
 } Erpt;
@@ -230,7 +229,7 @@ static void settle_deposit(Erpt *it)
 
     for (int k = 0; k < UNITS; k++)
         sum += it->found[k];
-    it->deposit = sum / ((double)it->samples * it->each);       /* [Cline07 (8.7)] */
+    it->deposit = sum / ((double)SAMPLES * it->each);           /* [Cline07 (8.7)] */
 }
 
 /* Each phase begins when all units of the one before have ended; the last has no other work. */
@@ -250,7 +249,7 @@ static void run(Integrator *base, Film *f, uint32_t pass, int phase, uint64_t un
     Use use = { it, { 0, 0 }, 0.0 };
 
     (void)f, (void)pass;
-    for (uint64_t i = unit; i < it->samples; i += UNITS) {
+    for (uint64_t i = unit; i < SAMPLES; i += UNITS) {
         V2 u;
         sampler_pixel(&t->sampler, UINT32_MAX, (uint32_t)phase);
         sampler_start(&t->sampler, (uint32_t)i);
@@ -332,8 +331,7 @@ static bool set_filters(Erpt *it, const Opts *o)
 
 static void set_flow(Erpt *it, const Opts *o)
 {
-    it->flow = opt_is(o, "flow", "equal") ? FLOW_EQUAL
-               : opt_is(o, "flow", "detailed") ? FLOW_DETAILED : FLOW_ITERATED;
+    it->flow = (Flow)opt_choice(o, "flow");
     it->length = (int)opt_int(o, "length");
     it->each = opt_float(o, "mutations");
     while (2 << it->levels <= it->length && it->levels < LEVELS_MOST)
@@ -362,7 +360,6 @@ static Integrator *open_erpt(const Scene *s, const Opts *o)
     it->base.scene = s;
     mutator_init(&it->mutator, s, o);
     it->mutator.always_caustic = opt_is(o, "choice", "exclusive");
-    it->samples = SAMPLES;
     set_flow(it, o);
     if (bothpaths_open(&it->paths, "erpt", s, o, lamps) && set_filters(it, o))
         return &it->base;

@@ -10,10 +10,11 @@
  *              is all there is to a pass (chains).
  *
  * A pass of a method that merges light paths with eye paths, for example, has the phases 0: trace
- * light paths, 1: sort their vertices into a grid, and then the camera samples, which look into the
- * grid, and splat what light paths bring to the lens. A pass of chains has one phase, a unit for
- * each chain, that splats. Progressive photon maps have the phases 0: eye paths of each tile, 1:
- * grid of where they end, 2: photons, 3: the tiles' statistics, and add to the film in the last.
+ * light paths, and splat what they bring to the lens, 1: sort their vertices into a grid, and then
+ * the camera samples, which look into the grid. A pass of chains has one phase, a unit for each
+ * chain, that splats; the first pass has another before, where chains begin. Progressive photon
+ * maps have the phases 0: eye paths of each tile, 1: grid of where they end, 2: photons, 3: the
+ * tiles' statistics, and add to the film in the last.
  *
  * Everything random comes from the Tracer's sampler, by (seed, pixel or unit, index, decision),
  * never from the thread. */
@@ -151,7 +152,7 @@ typedef struct Tracer {
  * luminance, 0 for one that the film refuses. */
 typedef float (*TakeSample)(void *ctx, Tracer *t, uint32_t x, uint32_t y, uint32_t index,
                             bool keep);
-/* Whether the render shall end as soon as the picture is whole. */
+/* Whether whoever takes samples had better stop after this pixel: the render ends, or pauses. */
 typedef bool (*IsLate)(void *ctx);
 
 #define UNIT_DONE UINT32_MAX

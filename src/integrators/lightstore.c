@@ -149,7 +149,6 @@ int lightstore_path(const LightStore *s, uint64_t number, LightVertex *path, Tra
     uint64_t unit = number / ARRIVALS_BATCH, i = number % ARRIVALS_BATCH;
     const uint32_t *first = s->first + unit * (ARRIVALS_BATCH + 1) + i;
     const KeptVertex *k = (const KeptVertex *)(const void *)s->arrivals.batches[unit].records;
-
     int n = 0;
 
     if (s->straight && s->straight[number].edges)
