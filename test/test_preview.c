@@ -139,17 +139,12 @@ static void make_film(void)
     display.exposure = 1;
 }
 
-/* One look at the film, in a process of its own. */
-static pid_t show_once(void)
+static void show_and_exit(void)
 {
-    pid_t pid = fork();
     Preview p;
     RenderSettings s;
     RenderReport r;
 
-    REQUIRE(pid >= 0, "fork");
-    if (pid)
-        return pid;
     terminal_take();
     memset(&s, 0, sizeof s);
     memset(&r, 0, sizeof r);
@@ -158,6 +153,17 @@ static pid_t show_once(void)
     warn_at((Place){ "some.pbrt", 1, 2 }, "said meanwhile");
     preview_end(&p);
     _exit(0);
+}
+
+/* One look at the film, in a process of its own. */
+static pid_t show_once(void)
+{
+    pid_t pid = fork();
+
+    REQUIRE(pid >= 0, "fork");
+    if (pid == 0)
+        show_and_exit();
+    return pid;
 }
 
 static int32_t shown_as(const Image *small, uint32_t x, uint32_t y, bool true_colour)

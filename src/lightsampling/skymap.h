@@ -9,7 +9,7 @@
  *             if the picture is very large. Small pictures and constants have cells enough for a
  *             surface's own factor to be followed; other mappings are looked up by direction, and
  *             so is light that no picture says exactly.
- * Lamps       Parallelograms, see scene.h: cells are of the unit square of their places. What is
+ * Lamps       Parallelograms, see light.h: cells are of the unit square of their places. What is
  *             said of directions of the world is said of points of the world then, and 1 is the
  *             jacobian: densities are per unit square.
  * Measure     Light counts by luminance, or by one of its channels, for methods that have a map for

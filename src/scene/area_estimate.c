@@ -1,5 +1,5 @@
 /* area_estimate.c -- what a shape that shines would bring to a point: for choosing among lights.
- * See light_estimate in scene.h.
+ * See light_estimate in light.h.
  *
  * The shape is taken for a ball around it, or, if it lies in a plane, for a disc. Nothing that it
  * can light is left out: each cosine is at least what some point of the ball gives. */

@@ -1,5 +1,7 @@
-/* camera.c -- the list of cameras, and what they share. See scene.h and camera.h. */
+/* camera.c -- the list of cameras, and what they share.. */
 #include "scene/camera.h"
+
+#include "scene/scene.h"
 
 #define CAMERAS(X)                                                             \
     X(perspective)              /* pinhole, thin lens */                       \

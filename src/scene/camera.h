@@ -1,9 +1,67 @@
-/* camera.h -- what cameras share: their place, their shutter, and the screen of those that have a
- * flat one. */
+/* camera.h -- the sensor of a picture: one file a kind, of which camera.c has the list.
+ *
+ * Rays run from its lens, or from its eye where that is a point, to what it sees, and light comes
+ * back along them. Its importance We is defined by the measurement that is the mean of all pixels
+ * [Veach97 8.3], [PBRT4 16.1], [Cline07 (7.2)]:
+ *
+ *     mean = integral of We L |cos| over places on the lens and directions,
+ *
+ * with the cosine at the lens (errata 7.2), so that We |cos| integrates to 1. Places on the picture
+ * and on the lens are chosen uniformly and a pixel is the mean over its filter, so We |cos| is the
+ * density pdf_a pdf_w of rays. A path that is traced from a light and reaches the lens adds, where
+ * filters of a pixel hold its place, (pixels of the picture) times We ... / density to that pixel.
+ *
+ * Deltas. From a point (`point`) pdf_a is 1 and means a delta in place; where each place looks in
+ * one direction only (`parallel`) pdf_w is 1 and means a delta in direction. */
 #ifndef SCENE_CAMERA_H
 #define SCENE_CAMERA_H
 
-#include "scene/scene.h"
+#include "geometry/geometry.h"
+#include "scene/making.h"
+
+typedef struct {
+    float we;
+    float pdf_a, pdf_w;         /* densities of the place on the lens, and of the direction at it */
+    V2    pixel;                /* where on the picture, in pixels from the top left */
+} CameraView;
+
+/* The way from a point of the scene to the camera. */
+typedef struct {
+    V3    wi;                   /* unit, from the point towards the camera */
+    float dist;
+    V3    p;                    /* the place on the lens */
+    float we;                   /* of the ray from there along -wi */
+    float pdf_w;                /* of wi: f |cos| at the point times we / pdf_w is what a path adds.
+                                 * 1 where there was no choice but to take it (`parallel`) */
+    V2    pixel;
+} CameraSample;
+
+typedef struct Camera Camera;
+typedef struct {
+    KindInfo info;
+    size_t bytes;               /* of one, which may be copied: it owns nothing */
+    Camera *(*make)(const Making *m, const Opts *o);    /* to_world: camera to world */
+    void (*film)(Camera *c, uint32_t w, uint32_t h);    /* the picture's size, before any ray */
+    /* The ray through (x, y) in pixels from the top left, lens position u in [0,1)^2. Unit d. */
+    Ray (*ray)(const Camera *c, V2 pixel, V2 lens, float time);
+    /* What there is to say of a ray from a place on the lens, unit d; also of those that pass by
+     * the edges of the picture, where filters reach. False: nothing, it looks elsewhere. */
+    bool (*view)(const Camera *c, const Ray *r, CameraView *v);
+    /* Chooses a place on the lens for light from a point. False: the camera cannot see it. */
+    bool (*sample)(const Camera *c, V3 from, V2 lens, float time, CameraSample *s);
+} CameraKind;
+
+struct Camera {                 /* first member of every concrete camera */
+    const CameraKind *kind;
+    Affine  to_world, to_camera;        /* of one that moves: at time 0 */
+    const Motion *motion;       /* in the scene's arena; NULL: it stands still */
+    double  shutter[2];         /* opens and closes; in the units of the scene's `times` */
+    bool    has_lens;           /* `lens` matters: a pinhole needs no number drawn for it */
+    bool    point, parallel;    /* deltas, see above */
+};
+extern const CameraKind *const cameras[];       /* ends with NULL */
+
+/* ---- what cameras share ---- */
 
 /* Sets place, motion and shutter of a camera. False: reported. */
 bool camera_init(Camera *c, const Making *m, const Opts *o);

@@ -1,4 +1,6 @@
-/* light.c -- the list of lights and what they share. See scene.h. */
+/* light.c -- the list of lights and what they share. See light.h. */
+#include "scene/light.h"
+
 #include "sampling/warp.h"
 #include "scene/scene.h"
 

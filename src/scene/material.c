@@ -1,5 +1,5 @@
 /* material.c -- a BSDF model and where its parameters come from, bumps and pictures of normals
- * included. See scene.h.
+ * included. See material.h.
  *
  * Bumps   [Blinn78]: a surface p(u, v) displaced by d along its normal n has
  *           p'_u = p_u + d_u n, p'_v = p_v + d_v n (d n_u and d n_v are left out, as d is small),
@@ -17,7 +17,7 @@
  * normal stays on the side of the geometric one, or it is left as it was. It does not depend on
  * where the eye is, so that all ways of making a path agree on it. Where the eye sees a bump's back
  * side, light is taken from behind the surface, which is dark: such spots are left dark. */
-#include "scene/scene.h"
+#include "scene/material.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
  *             focus^2 / (cos^3 of the lens's area), and for any d that of the place 1 / A.
  * Departs     In pbrt rays of the lens start at l and not at s + l, a pinhole in effect. */
 #include "sampling/warp.h"
-#include "scene/camera.h"
+#include "scene/scene.h"
 
 typedef struct {
     Camera base;

@@ -8,7 +8,7 @@
  *             lens, the place shown there is l / focus + (d.x, d.y) / d.z: for any l a density of
  *             1 / A on that plane is 1 / (A cos^3) per solid angle, [Cline07 (7.3), (7.4)]. */
 #include "sampling/warp.h"
-#include "scene/camera.h"
+#include "scene/scene.h"
 
 typedef struct {
     Camera base;

@@ -173,7 +173,7 @@ static bool fill(Reader *r, Place at, const BsdfKind *kind, const char *what, Li
            material_extras(r, what, &ps, m);
 }
 
-/* Of parts that let rays pass: those that a mixture stops are its mean, see scene.h. */
+/* Of parts that let rays pass: those that a mixture stops are its mean, see material.h. */
 static bool mixture_opacity(Reader *r, Material *m)
 {
     const Texture *part[2];
