@@ -1,4 +1,4 @@
-/* camera.c -- the list of cameras, and what they share.. */
+/* camera.c -- the list of cameras, and what they share. */
 #include "scene/camera.h"
 
 #include "scene/scene.h"
