@@ -55,7 +55,8 @@ LC_ALL=C awk '{ t = $0; gsub(/[\200-\277]/, "", t) }
     /\t/ && FILENAME !~ /\.sh$/ { print FILENAME ":" FNR ": has a tab" }
     /[ \t]$/ { print FILENAME ":" FNR ": ends with a blank" }' $ours >> "$bad"
 
-grep -nE '/(home|root|Users|work)/' Makefile README.md src/README.md bench/README.md .ci/run scenes/*.pbrt \
+grep -nE '/(home|root|Users|work)/' Makefile README.md src/README.md bench/README.md .ci/run \
+    scenes/*.pbrt \
     src/*/*.[ch] test/*.[ch] bench/*.[ch] >> "$bad"
 grep -nE 'TODO|FIXME|XXX[^X]' src/*/*.[ch] test/*.[ch] | grep -v -- '-XXXXXX' >> "$bad"
 
