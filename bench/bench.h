@@ -43,7 +43,10 @@ void bench_moves_narrow(void);  /* against path, where light comes by narrow way
 void bench_moves_figures(void); /* figures 7.29, 8.10, 8.11, 8.13 to 8.15 of the document */
 void bench_moves_strata(void);  /* figure 8.12: how even few samples are */
 void bench_moves_curves(void);  /* figure 8.15: error over time, as text and SVG */
-void bench_swarm(void);         /* table 9.2 of [Cline07]: learned maps, and what they cost */
+void bench_swarm_table(void);   /* table 9.2 of [Cline07]: what learned maps gain */
+void bench_swarm_lens(void);    /* how many samples the lens map stands for */
+void bench_swarm_large(void);   /* figures 9.11 to 9.14 */
+void bench_swarm_cost(void);    /* what maps cost a pixel */
 void bench_view(void);          /* how soon the viewer answers to a hand */
 void bench_samplers(void);      /* which sampler wins, scene by scene */
 
