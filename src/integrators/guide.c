@@ -61,17 +61,18 @@ static bool is_of_use(const Scene *s, GuideKind k)
     return true;
 }
 
-static LearnedShape shape_of(const Scene *s, GuideKind k, int n)
+static LearnedShape shape_of(const GuidePlan *p, GuideKind k, int n)
 {
-    LearnedShape line = { n, 1, false, false };
+    LearnedShape line = { n, 1, NULL, false };
+    size_t most = p->scene->nlights;
 
     switch (k) {
-    case GUIDE_BIFURCATION: return (LearnedShape){ FORK_FLOATS * n, 1, false, true };
+    case GUIDE_BIFURCATION: return (LearnedShape){ FORK_FLOATS * n, 1, NULL, true };
     case GUIDE_LIGHT:
-        return (LearnedShape){ s->nlights < (size_t)n ? (int)s->nlights : n, 1, false, true };
+        return (LearnedShape){ most < (size_t)n ? (int)most : n, 1, NULL, true };
     case GUIDE_LENS:
-    case GUIDE_POINT: return (LearnedShape){ n, n, false, false };
-    case GUIDE_DIRECTION: return (LearnedShape){ n, n, true, false };
+    case GUIDE_POINT: return (LearnedShape){ n, n, NULL, false };
+    case GUIDE_DIRECTION: return (LearnedShape){ n, n, p->rings, false };
     case GUIDE_TIME:
     case GUIDE_DISTANCE:
     case GUIDE_KINDS: break;
@@ -87,16 +88,23 @@ void guide_plan(GuidePlan *p, const Scene *s, const int cells[GUIDE_KINDS], int 
     p->bounces = bounces;
     p->share = share;
     p->coin = coin;
+    learned_rings(p->rings, cells[GUIDE_DIRECTION]);
+    for (int k = 0; k < GUIDE_LEVELS; k++)
+        p->level[k] = share * (float)k / (GUIDE_LEVELS - 1);
     for (int b = 0; b < bounces; b++)
         for (int k = b ? GUIDE_DISTANCE : 0; k < GUIDE_KINDS; k++) {
             int m = guide_map((GuideKind)k, b);
             if (!cells[k] || !is_of_use(s, (GuideKind)k))
                 continue;
-            p->shape[m] = shape_of(s, (GuideKind)k, cells[k]);
+            p->shape[m] = shape_of(p, (GuideKind)k, cells[k]);
             p->at[m] = p->floats;
             p->floats += learned_cells(p->shape[m]) + GUIDE_LEVELS;
             p->room[m] = p->rooms;
             p->rooms += inverted_size(p->shape[m]);
+            if (k == GUIDE_BIFURCATION)
+                p->forks = cells[k];
+            else
+                p->map[p->nmaps++] = m;
         }
 }
 
@@ -105,8 +113,8 @@ void guide_forget(const GuidePlan *p, float *maps)
     float *fork = maps + p->at[GUIDE_BIFURCATION];
 
     memset(maps, 0, (size_t)p->floats * sizeof *maps);
-    for (int i = 0; i < learned_cells(p->shape[GUIDE_BIFURCATION]); i += FORK_FLOATS)
-        fork[i] = fork[i + 1] = 0.5f;
+    for (int i = 0; i < p->forks; i++)
+        fork[FORK_FLOATS * i] = fork[FORK_FLOATS * i + 1] = 0.5f;
 }
 
 Guide *guide_new(const GuidePlan *p)
@@ -141,7 +149,6 @@ static V2 warped(Guide *g, int map, V2 u, float *density)
     V2 place = inverted_sample(&g->table[map], u, density);
 
     g->decided[map] = (Decided){ .used = true, .place = place, .own = 1.0f };
-    g->decided[map].map = inverted_alone(&g->table[map], place);
     return place;
 }
 
@@ -183,8 +190,10 @@ static void guided_start(Sampler *s)
     Guide *g = s->state;
 
     sampler_start(&g->inner, s->index);
-    memset(g->decided, 0, sizeof g->decided);
-    memset(g->fork, 0, sizeof g->fork);
+    for (int i = 0; i < g->plan->nmaps; i++)
+        g->decided[g->plan->map[i]].used = false;
+    for (int i = 0; i < g->plan->forks; i++)
+        g->fork[i].used = false;
     g->pending = g->point_density = 1.0f;
     g->order = g->here = g->direction = g->forked = -1;
     g->met = NULL;
@@ -197,11 +206,6 @@ static const SamplerKind guided = {
 };
 
 /* ---- pixel by pixel ---- */
-
-static float share_at(const GuidePlan *p, int level)
-{
-    return p->share * (float)level / (GUIDE_LEVELS - 1);
-}
 
 /* The level of the least second moment, if that is well below what is without the map. Where
  * nothing is known, world maps had better not be asked. */
@@ -218,6 +222,12 @@ static int best_level(int map, const float *moment)
     return best;
 }
 
+/* The table of lights tells its map's density even where that is left alone. */
+static float part_of_table(int map, float share)
+{
+    return kind_of(map) == GUIDE_LIGHT || (is_world(map) && share > 0.0f) ? 1.0f : share;
+}
+
 void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y)
 {
     const GuidePlan *p = g->plan;
@@ -229,13 +239,11 @@ void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y)
     t->guide = g;
     sampler_pixel(&g->inner, x, y);
     memset(g->worth, 0, (size_t)p->floats * sizeof *g->worth);
-    for (int m = 0; m < GUIDE_MAPS; m++) {
+    for (int i = 0; i < p->nmaps; i++) {
+        int m = p->map[i];
         const float *mass = g->maps + p->at[m];
-        int n = learned_cells(p->shape[m]);
-        if (!n || m == GUIDE_BIFURCATION)
-            continue;
-        g->share[m] = share_at(p, best_level(m, mass + n));
-        inverted_make(&g->table[m], p->shape[m], mass, is_world(m) ? 1.0f : g->share[m],
+        g->share[m] = p->level[best_level(m, mass + learned_cells(p->shape[m]))];
+        inverted_make(&g->table[m], p->shape[m], mass, part_of_table(m, g->share[m]),
                       g->room + p->room[m]);
     }
 }
@@ -243,7 +251,7 @@ void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y)
 /* Masses of the two ways are means of values, as [Cline07] has them, and sum to 1. */
 static void merge_forks(float *map, const float *worth, int n)
 {
-    for (int i = 0; i < n; i += FORK_FLOATS) {
+    for (int i = 0; i < FORK_FLOATS * n; i += FORK_FLOATS) {
         float sum = worth[i] + worth[i + 1];
         if (!(sum > 0.0f) || !is_finite(sum))
             continue;
@@ -259,15 +267,12 @@ void guide_learns(Guide *g, Tracer *t)
 
     t->sampler = g->inner;
     t->guide = NULL;
-    for (int m = 0; m < GUIDE_MAPS; m++) {
-        float *mass = g->maps + p->at[m];
-        const float *worth = g->worth + p->at[m];
-        int n = learned_cells(p->shape[m]);
-        if (m == GUIDE_BIFURCATION)
-            merge_forks(mass, worth, n);
-        else if (n)
-            learned_merge(mass, worth, n, n + GUIDE_LEVELS);
+    for (int i = 0; i < p->nmaps; i++) {
+        int m = p->map[i], n = learned_cells(p->shape[m]);
+        learned_merge(g->maps + p->at[m], g->worth + p->at[m], n, n + GUIDE_LEVELS);
     }
+    merge_forks(g->maps + p->at[GUIDE_BIFURCATION], g->worth + p->at[GUIDE_BIFURCATION],
+                p->forks);
 }
 
 /* ---- along a path ---- */
@@ -323,33 +328,38 @@ static bool learns_from_connection(int map)
 
 /* What the sample was worth: to the map, and, squared, to the second moments at all levels: of
  * value v found at density p, level k would make v p / p_k of it, p / p_k times as seldom. */
-static void learn(Guide *g, int m, const Decided *d, float value)
+static void learn(Guide *g, int m, Decided *d, float value)
 {
     const GuidePlan *p = g->plan;
     float *worth = g->worth + p->at[m], *moment = worth + learned_cells(p->shape[m]);
-    float now = guide_both(g->share[m], d->map, d->own);
+    float square = value * value, now;
 
     if (!(value > 0.0f) || !(value < 1e15f))
         return;
-    learned_add(worth, p->shape[m], d->place, value * value * now);
+    if (!is_world(m))
+        d->map = inverted_alone(&g->table[m], d->place);
+    else if (kind_of(m) == GUIDE_DIRECTION && g->share[m] == 0.0f)
+        guide_places(g, m, d);
+    now = guide_both(g->share[m], d->map, d->own);
+    learned_add(worth, p->shape[m], d->place, square * now);
     for (int k = 0; k < GUIDE_LEVELS; k++) {
-        float at = guide_both(share_at(p, k), d->map, d->own);
-        moment[k] += value * value * f_min(now / f_max(at, 1e-30f), MOMENT_MOST);
+        float then = guide_both(p->level[k], d->map, d->own);
+        moment[k] += square * f_min(now / f_max(then, 1e-30f), MOMENT_MOST);
     }
 }
 
 void guide_ends(Guide *g, Rgb sum)
 {
     const GuidePlan *p = g->plan;
-    int forks = learned_cells(p->shape[GUIDE_BIFURCATION]) / FORK_FLOATS;
     float *fork = g->worth + p->at[GUIDE_BIFURCATION], all = rgb_lum(sum);
 
-    for (int m = 0; m < GUIDE_MAPS; m++) {
-        const Decided *d = &g->decided[m];
+    for (int i = 0; i < p->nmaps; i++) {
+        int m = p->map[i];
+        Decided *d = &g->decided[m];
         if (d->used)
             learn(g, m, d, learns_from_connection(m) ? d->gained : all - d->before);
     }
-    for (int i = 0; i < forks; i++)
+    for (int i = 0; i < p->forks; i++)
         if (g->fork[i].used && all > g->fork[i].before && is_finite(all))
             fork[FORK_FLOATS * i + g->fork[i].refracts] += all - g->fork[i].before;
 }

@@ -47,6 +47,7 @@ extern const char *const guide_names[GUIDE_KINDS];
 enum { GUIDE_BOUNCES = 4, GUIDE_BOUNCE_MAPS = GUIDE_KINDS - GUIDE_DISTANCE };
 enum { GUIDE_MAPS = GUIDE_DISTANCE + GUIDE_BOUNCES * GUIDE_BOUNCE_MAPS };
 enum { GUIDE_LEVELS = 6 };      /* how much of a map is used: from nothing to its share */
+enum { GUIDE_ROWS = 128 };      /* most, of maps of two numbers */
 enum { FORK_FLOATS = 3 };       /* of bifurcations: masses of reflecting and refracting, trust */
 
 /* The number of a map in a pixel's. */
@@ -55,12 +56,16 @@ INLINE int guide_map(GuideKind k, int bounce)
     return k < GUIDE_DISTANCE ? (int)k : (int)k + bounce * GUIDE_BOUNCE_MAPS;
 }
 
-/* What all pixels of a picture have in common. */
+/* What all pixels of a picture have in common. It stays where it is: maps point into it. */
 typedef struct {
     LearnedShape shape[GUIDE_MAPS];             /* w 0: there is no such map */
     int   at[GUIDE_MAPS];       /* of its masses in a pixel's floats, moments after them */
     int   room[GUIDE_MAPS];     /* of its inverted table in a guide's */
     int   floats, rooms;        /* of a pixel; of all tables */
+    int   map[GUIDE_MAPS], nmaps;               /* the maps there are, but for bifurcations, */
+    int   forks;                /* and entries of that */
+    LearnedRing rings[GUIDE_ROWS];              /* of maps of directions */
+    float level[GUIDE_LEVELS];  /* shares, from 0 to `share` */
     int   bounces;
     float share;                /* of maps that are trusted: alpha of (9.2) */
     bool  coin;                 /* reflecting and refracting are even without a map */

@@ -11,6 +11,8 @@ enum { FORKS_MOST = 64 };
 typedef struct {
     bool  used;
     V2    place;
+    V3    way;                  /* of directions in maps that are left alone, instead of place: to
+                                 * look for that takes long, and is for those that bring light */
     float own, map;             /* densities without the map, and by it alone */
     float before, gained;       /* light so far; of a connection */
 } Decided;
@@ -42,6 +44,9 @@ INLINE float guide_both(float share, float by_map, float own)
 {
     return share * by_map + (1.0f - share) * own;               /* [Cline07 (9.2)] */
 }
+
+/* Finds place and density by the map of a direction's way. */
+void guide_places(const Guide *g, int map, Decided *d);
 
 INLINE bool guide_has(const Guide *g, int map) { return g->plan->shape[map].w != 0; }
 

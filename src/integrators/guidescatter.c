@@ -53,6 +53,14 @@ float guide_pdf_w(const Guide *g, V3 wi, float own)
     return guide_both(g->share[map], map_pdf_w(g, map, wi, place_of(wi)), own);
 }
 
+void guide_places(const Guide *g, int map, Decided *d)
+{
+    float sine = sqrtf(d->way.x * d->way.x + d->way.y * d->way.y);
+
+    d->place = place_of(d->way);
+    d->map = density_w(inverted_alone(&g->table[map], d->place), sine);
+}
+
 /* Density of a direction by the map, which is noted with its place: to look for both takes long. */
 static float noted_pdf_w(Guide *g, int map, V3 wi)
 {
@@ -105,8 +113,8 @@ static bool scatters_unguided(Guide *g, int map, const Vertex *v, Tracer *t, int
 {
     if (!vertex_sample(v, t, at, s))
         return false;
-    if (map >= 0 && s->pdf_w > 0.0f)
-        noted_pdf_w(g, map, s->wi);
+    if (map >= 0)
+        g->decided[map].way = s->wi;
     return true;
 }
 
@@ -126,7 +134,7 @@ static bool scatters_smoothly(Guide *g, int map, const Vertex *v, Tracer *t, int
 static const float *fork_map(const Guide *g, int at)
 {
     const GuidePlan *p = g->plan;
-    if (FORK_FLOATS * at >= learned_cells(p->shape[GUIDE_BIFURCATION]))
+    if (at >= p->forks)
         return NULL;
     return g->maps + p->at[GUIDE_BIFURCATION] + FORK_FLOATS * at;
 }
@@ -169,14 +177,16 @@ static bool forks(const Guide *g, const Vertex *v, int at, BsdfSample e[BSDF_DEL
            e[0].flags & BSDF_REFLECT && e[1].flags & BSDF_TRANSMIT;
 }
 
-/* How the direction could have come about, where its place is noted. */
+/* How the direction could have come about, where its place or way is noted. */
 static void note_direction(Guide *g, int map, const BsdfSample *s)
 {
     Decided *d = &g->decided[map];
     float share = g->share[map];
 
     d->used = true;
-    d->own = f_max((s->pdf_w - share * d->map) / (1.0f - share), 0.0f);
+    d->own = s->pdf_w;
+    if (share > 0.0f)
+        d->own = f_max((s->pdf_w - share * d->map) / (1.0f - share), 0.0f);
     g->direction = map;
 }
 

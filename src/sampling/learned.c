@@ -20,28 +20,38 @@ static int cell_of(float x, int n)
     return k < 0 ? 0 : k < n ? k : n - 1;
 }
 
-/* To `reach` cells on either side; beyond the ends there are none. */
-static void add_to_row(float *row, int w, int x, int reach, float value)
+void learned_rings(LearnedRing *r, int h)
 {
-    int first = x > reach ? x - reach : 0, last = x + reach < w ? x + reach : w - 1;
-
-    for (int i = first; i <= last; i++)
-        row[i] += value;
+    for (int y = 0; y < h; y++) {
+        float sine, cosine;
+        m_sincos_turn(0.5f * ((float)y + 0.5f) / (float)h, &sine, &cosine);
+        r[y] = (LearnedRing){ (int)(1.0f / sine + 0.5f), sine };
+    }
 }
 
 /* To so many columns on either side of x that the angle is that of one at the equator, round the
  * ring. Densities over places are those over directions, times the sine; here squared. */
-static void add_to_ring(float *row, LearnedShape s, int x, int y, float value)
+static void add_to_ring(float *row, int w, LearnedRing ring, int x, float value)
 {
-    float sine, cosine;
-    int reach, n, at;
+    int n = 2 * ring.reach + 1, at = x - ring.reach;
 
-    m_sincos_turn(0.5f * ((float)y + 0.5f) / (float)s.h, &sine, &cosine);
-    reach = (int)(1.0f / sine + 0.5f);
-    n = 2 * reach + 1 < s.w ? 2 * reach + 1 : s.w;
-    at = (x + s.w - (n < s.w ? reach : 0)) % s.w;
-    for (; n > 0; n--, at = at + 1 < s.w ? at + 1 : 0)
-        row[at] += value * sine * sine;
+    value = value * ring.sine * ring.sine;
+    if (n >= w) {
+        n = w;
+        at = 0;
+    } else if (at < 0)
+        at += w;
+    for (; n > 0; n--, at = at + 1 < w ? at + 1 : 0)
+        row[at] += value;
+}
+
+static void add_to_row(float *row, int w, int x, float value)
+{
+    if (x > 0)
+        row[x - 1] += value;
+    row[x] += value;
+    if (x + 1 < w)
+        row[x + 1] += value;
 }
 
 void learned_add(float *worth, LearnedShape s, V2 place, float square)
@@ -50,12 +60,15 @@ void learned_add(float *worth, LearnedShape s, V2 place, float square)
 
     if (!(square > 0.0f) || !is_finite(square))
         return;
-    for (int k = y > 0 ? y - 1 : 0; k <= y + 1 && k < s.h; k++) {
-        if (s.sphere)
-            add_to_ring(worth + k * s.w, s, x, k, square);
-        else
-            add_to_row(worth + k * s.w, s.w, x, s.single ? 0 : 1, square);
+    if (s.single) {
+        worth[x] += square;
+        return;
     }
+    for (int k = y > 0 ? y - 1 : 0; k <= y + 1 && k < s.h; k++)
+        if (s.rings)
+            add_to_ring(worth + k * s.w, s.w, s.rings[k], x, square);
+        else
+            add_to_row(worth + k * s.w, s.w, x, square);
 }
 
 /* In eight sums side by side, so that compilers may keep them in lanes: the same everywhere. */
@@ -97,8 +110,19 @@ void learned_sum(float *sum, const float *a, int cells)
         sum[i] += a[i];
 }
 
+/* As many as a pixel mostly has. All at once: each float is looked at once. */
+enum { SEVEN = 7 };
+static void mean_of_seven(float *restrict mean, const float *const *of, int cells)
+{
+    const float *a = of[0], *b = of[1], *c = of[2], *d = of[3], *e = of[4], *f = of[5], *g = of[6];
+    float share = 1.0f / SEVEN;
+
+    for (int i = 0; i < cells; i++)
+        mean[i] = (a[i] + b[i] + c[i] + d[i] + e[i] + f[i] + g[i]) * share;
+}
+
 /* Piece by piece, each of which stays in the fastest memory until it is done. */
-void learned_mean(float *mean, const float *const *of, int n, int cells)
+static void mean_of_any(float *mean, const float *const *of, int n, int cells)
 {
     enum { PIECE = 1024 };
     float share = 1.0f / (float)n;
@@ -113,14 +137,33 @@ void learned_mean(float *mean, const float *const *of, int n, int cells)
     }
 }
 
+void learned_mean(float *mean, const float *const *of, int n, int cells)
+{
+    if (n == SEVEN)
+        mean_of_seven(mean, of, cells);
+    else
+        mean_of_any(mean, of, n, cells);
+}
+
 /* ---- inverted ---- */
 
-/* The roots of the masses, each where the running sum up to it will be. Their sum. */
-static double take_roots(float *sum, const float *mass, int n)
+static void take_roots(float *root, const float *mass, int n)
 {
     for (int i = 0; i < n; i++)
-        sum[i + 1] = sqrtf(mass[i]);
-    return sum_of(sum + 1, n);
+        root[i] = sqrtf(mass[i]);
+}
+
+/* Each root where the running sum up to it will be. Their sum. */
+static double place_roots(float *cell, LearnedShape s, const float *mass)
+{
+    double all = 0.0;
+
+    for (int y = 0; y < s.h; y++) {
+        float *sum = cell + y * (s.w + 1);
+        take_roots(sum + 1, mass + y * s.w, s.w);
+        all += sum_of(sum + 1, s.w);
+    }
+    return all;
 }
 
 static void running_sums(float *sum, int n, float part, float even)
@@ -151,17 +194,19 @@ static void running_sums_of_rows(float *sum, int n, float part, float even)
 
 void inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, float *room)
 {
-    double all = 0.0;
+    double all;
     float even, scale;
-    int y = 0;
+    int y;
 
     t->shape = s;
     t->mass = mass;
+    t->even = !(part > 0.0f);
     t->row = room;
     t->cell = room + s.h + 1;
-    for (y = 0; y < s.h; y++)
-        all += take_roots(t->cell + y * (s.w + 1), mass + y * s.w, s.w);
+    all = place_roots(t->cell, s, mass);
     t->alone = all > 0.0 ? (float)(learned_cells(s) / all) : 0.0f;
+    if (t->even)
+        return;
     even = (all > 0.0 ? 1.0f - part : 1.0f) / (float)learned_cells(s);
     scale = part * t->alone / (float)learned_cells(s);
     for (y = 0; y + ROWS <= s.h; y += ROWS)
@@ -173,17 +218,21 @@ void inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, f
         t->row[y + 1] = t->row[y] + t->cell[y * (s.w + 1) + s.w];
 }
 
-/* The last i with sum[i] <= x, for 0 <= x < sum[n]: its share is not empty. */
+/* The last i with sum[i] <= x, for 0 <= x < sum[n]: its share is not empty. By halves as far as
+ * counting is not faster: a count's steps do not wait for each other. */
+enum { COUNTED = 64 };
 static int find(const float *sum, int n, float x)
 {
-    int low = 0;
+    int low = 0, i = 0;
 
-    while (n > 1) {
+    while (n > COUNTED) {
         int half = n / 2;
         low = sum[low + half] <= x ? low + half : low;
         n -= half;
     }
-    return low;
+    for (int k = 1; k <= n; k++)
+        i += sum[low + k] <= x;
+    return low + i;
 }
 
 /* The part that u of the total lies in; *u moves to its place within that part, in [0,1]. Where
@@ -228,9 +277,14 @@ static float density_of(const Inverted *t, int x, int y)
 V2 inverted_sample(const Inverted *t, V2 u, float *density)
 {
     LearnedShape s = t->shape;
-    int y = s.h > 1 ? part_of(t->row, s.h, &u.y) : 0;
-    int x = part_of(t->cell + y * (s.w + 1), s.w, &u.x);
+    int x, y;
 
+    if (t->even) {
+        *density = 1.0f;
+        return (V2){ u.x, s.h > 1 ? u.y : 0.0f };
+    }
+    y = s.h > 1 ? part_of(t->row, s.h, &u.y) : 0;
+    x = part_of(t->cell + y * (s.w + 1), s.w, &u.x);
     *density = density_of(t, x, y);
     u.y = s.h > 1 ? place_in(y, u.y, s.h) : 0.0f;
     return (V2){ place_in(x, u.x, s.w), u.y };
@@ -238,7 +292,8 @@ V2 inverted_sample(const Inverted *t, V2 u, float *density)
 
 float inverted_density(const Inverted *t, V2 place)
 {
-    return density_of(t, cell_of(place.x, t->shape.w), cell_of(place.y, t->shape.h));
+    return t->even ? 1.0f
+                   : density_of(t, cell_of(place.x, t->shape.w), cell_of(place.y, t->shape.h));
 }
 
 float inverted_alone(const Inverted *t, V2 place)

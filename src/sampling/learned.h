@@ -24,11 +24,18 @@
 
 #include <stdbool.h>
 
+/* A row of a sphere's cells: how many columns on either side a footprint has, and the sine of the
+ * angle to the pole. */
+typedef struct { int reach; float sine; } LearnedRing;
+
 typedef struct {
     int   w, h;                 /* cells; h 1: of one number */
-    bool  sphere;               /* columns are longitudes, rows latitudes */
+    const LearnedRing *rings;   /* borrowed: of rows that are latitudes, columns being longitudes;
+                                 * NULL: they are not */
     bool  single;               /* entries are no places: none has neighbours */
 } LearnedShape;
+
+void learned_rings(LearnedRing *r, int h);
 
 INLINE int learned_cells(LearnedShape s) { return s.w * s.h; }
 
@@ -54,13 +61,14 @@ typedef struct {
     LearnedShape shape;
     const float *mass;          /* borrowed */
     float  alone;               /* over the root of a mass, for the density by the map alone */
+    bool   even;                /* there are no sums: the part was 0 */
     float *row;                 /* borrowed: h + 1 running sums of rows, */
     float *cell;                /* and w + 1 of each row */
 } Inverted;
 
 INLINE int inverted_size(LearnedShape s) { return s.h + 1 + s.h * (s.w + 1); }
-/* Of `part` of the map, the remainder being even. A map without mass is even. room: inverted_size()
- * floats. */
+/* Of `part` of the map, the remainder being even. A map without mass is even. Of part 0 numbers stay
+ * what they are, and nothing is to be chosen. room: inverted_size() floats. */
 void  inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, float *room);
 /* u warped to the density, in multiples of 2^-24 as samplers give them; *density of the place. */
 V2    inverted_sample(const Inverted *t, V2 u, float *density);
