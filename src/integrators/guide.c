@@ -6,9 +6,7 @@
 #include <string.h>
 
 #define EVEN_FORK 1e-6f                 /* that no way at a fork is forgotten */
-#define WORTHWHILE 0.8f                 /* second moment with a world map over that without */
-#define HARMLESS 1.0f                   /* the same, of preimage maps, whose cost is bounded */
-#define MOMENT_MOST 1e6f                /* a density over another */
+#define WORTHWHILE 0.8f                 /* second moment with a map over that without */
 
 const char *const guide_names[GUIDE_KINDS] = {
     "time", "lens", "bifurcation", "distance", "light", "point", "direction"
@@ -207,11 +205,11 @@ static const SamplerKind guided = {
 
 /* ---- pixel by pixel ---- */
 
-/* The level of the least second moment, if that is well below what is without the map. Where
- * nothing is known, world maps had better not be asked. */
-static int best_level(int map, const float *moment)
+/* The level of the least second moment, if that is well below what is without the map: a gain that
+ * is small is one by chance, and what goes by the map has lost its strata. */
+static int best_level(const float *moment)
 {
-    float least = (is_world(map) ? WORTHWHILE : HARMLESS) * moment[0];
+    float least = WORTHWHILE * moment[0];
     int best = 0;
 
     for (int k = 1; k < GUIDE_LEVELS; k++)
@@ -242,7 +240,7 @@ void guide_pixel(Guide *g, Tracer *t, float *maps, uint32_t x, uint32_t y)
     for (int i = 0; i < p->nmaps; i++) {
         int m = p->map[i];
         const float *mass = g->maps + p->at[m];
-        g->share[m] = p->level[best_level(m, mass + learned_cells(p->shape[m]))];
+        g->share[m] = p->level[best_level(mass + learned_cells(p->shape[m]))];
         inverted_make(&g->table[m], p->shape[m], mass, part_of_table(m, g->share[m]),
                       g->room + p->room[m]);
     }
@@ -326,13 +324,11 @@ static bool learns_from_connection(int map)
     return kind_of(map) == GUIDE_LIGHT || kind_of(map) == GUIDE_POINT;
 }
 
-/* What the sample was worth: to the map, and, squared, to the second moments at all levels: of
- * value v found at density p, level k would make v p / p_k of it, p / p_k times as seldom. */
+/* What the sample was worth. */
 static void learn(Guide *g, int m, Decided *d, float value)
 {
     const GuidePlan *p = g->plan;
-    float *worth = g->worth + p->at[m], *moment = worth + learned_cells(p->shape[m]);
-    float square = value * value, now;
+    float *worth = g->worth + p->at[m], square = value * value, now;
 
     if (!(value > 0.0f) || !(value < 1e15f))
         return;
@@ -340,12 +336,10 @@ static void learn(Guide *g, int m, Decided *d, float value)
         d->map = inverted_alone(&g->table[m], d->place);
     else if (kind_of(m) == GUIDE_DIRECTION && g->share[m] == 0.0f)
         guide_places(g, m, d);
-    now = guide_both(g->share[m], d->map, d->own);
+    now = learned_both(g->share[m], d->map, d->own);
     learned_add(worth, p->shape[m], d->place, square * now);
-    for (int k = 0; k < GUIDE_LEVELS; k++) {
-        float then = guide_both(p->level[k], d->map, d->own);
-        moment[k] += square * f_min(now / f_max(then, 1e-30f), MOMENT_MOST);
-    }
+    learned_moments(worth + learned_cells(p->shape[m]), p->level, GUIDE_LEVELS, d->map, d->own,
+                    now, square);
 }
 
 void guide_ends(Guide *g, Rgb sum)

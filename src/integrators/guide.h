@@ -21,8 +21,8 @@
  *             as the other share goes everywhere.
  * Levels      A map is used as far as it is of use: besides it, pixels learn the second moment that
  *             their samples would have had without the map and with more and more of it, up to its
- *             share. The least is taken, if it is below the first, of world maps well below; else
- *             the map is left alone: it would cost more in strata than it brings.
+ *             share. The least is taken, if it is well below the first; else the map is left alone:
+ *             it would cost more in strata than it brings.
  *             A bifurcation is trusted the more, the more has been learned of it.
  * Weights     Points on lights: the heuristic wants the number that would have given a direction
  *             that the surface chose [errata 9.4]. Pictures of the sky know it. With other lights
@@ -46,7 +46,7 @@ extern const char *const guide_names[GUIDE_KINDS];
 
 enum { GUIDE_BOUNCES = 4, GUIDE_BOUNCE_MAPS = GUIDE_KINDS - GUIDE_DISTANCE };
 enum { GUIDE_MAPS = GUIDE_DISTANCE + GUIDE_BOUNCES * GUIDE_BOUNCE_MAPS };
-enum { GUIDE_LEVELS = 6 };      /* how much of a map is used: from nothing to its share */
+enum { GUIDE_LEVELS = 8 };      /* how much of a map is used: from nothing to its share */
 enum { GUIDE_ROWS = 128 };      /* most, of maps of two numbers */
 enum { FORK_FLOATS = 3 };       /* of bifurcations: masses of reflecting and refracting, trust */
 

@@ -39,12 +39,6 @@ struct Guide {
     int     direction, forked;  /* decided at this event: a map's number, a fork's; -1: not */
 };
 
-/* The density of what is decided by a map, in a share of all decisions, or as without it. */
-INLINE float guide_both(float share, float by_map, float own)
-{
-    return share * by_map + (1.0f - share) * own;               /* [Cline07 (9.2)] */
-}
-
 /* Finds place and density by the map of a direction's way. */
 void guide_places(const Guide *g, int map, Decided *d);
 

@@ -46,7 +46,7 @@ float guide_light_pmf(const Guide *g, const LightSampler *ls, V3 p, V3 n, const 
     float own = ls->kind->pmf(ls, p, n, l);
     int map = guide_map_here(g, GUIDE_LIGHT);
 
-    return map < 0 ? own : guide_both(g->share[map], pmf_by_map(g, map, l), own);
+    return map < 0 ? own : learned_both(g->share[map], pmf_by_map(g, map, l), own);
 }
 
 const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, float *pmf)
@@ -68,7 +68,7 @@ const Light *guide_light(Guide *g, const LightSampler *ls, V3 p, V3 n, float u, 
     g->decided[map] = (Decided){ .used = true, .own = ls->kind->pmf(ls, p, n, l),
                                  .map = pmf_by_map(g, map, l) };
     g->decided[map].place.x = ((float)entry_of(g, map, l) + 0.5f) / (float)g->plan->shape[map].w;
-    *pmf = guide_both(share, g->decided[map].map, g->decided[map].own);
+    *pmf = learned_both(share, g->decided[map].map, g->decided[map].own);
     return l;
 }
 

@@ -50,7 +50,7 @@ float guide_pdf_w(const Guide *g, V3 wi, float own)
 
     if (map < 0)
         return own;
-    return guide_both(g->share[map], map_pdf_w(g, map, wi, place_of(wi)), own);
+    return learned_both(g->share[map], map_pdf_w(g, map, wi, place_of(wi)), own);
 }
 
 void guide_places(const Guide *g, int map, Decided *d)
@@ -82,7 +82,7 @@ static bool scatters_by_map(Guide *g, int map, const Vertex *v, V2 u, BsdfSample
     if (!vertex_local(v, s->wi, &local))
         return false;
     own = vertex_pdf_w(v, local);
-    s->pdf_w = guide_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
+    s->pdf_w = learned_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
     s->weight = rgb_scale(vertex_f_cos(v, local), 1.0f / s->pdf_w);
     s->flags = BSDF_SMOOTH | (same_side(local, v->wo) ? BSDF_REFLECT : BSDF_TRANSMIT);
     s->eta = 1.0f;
@@ -100,7 +100,7 @@ static bool scatters_beside_map(Guide *g, int map, const Vertex *v, Tracer *t, i
         return false;
     own = s->pdf_w;
     if (own > 0.0f) {
-        s->pdf_w = guide_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
+        s->pdf_w = learned_both(g->share[map], noted_pdf_w(g, map, s->wi), own);
         *thinned = s->pdf_w / own;
     } else
         *thinned = 1.0f - g->share[map];

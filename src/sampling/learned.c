@@ -11,6 +11,7 @@
 #define KEEP 0.5f
 #define MOST_BEFORE 10.0
 #define LITTLE 1e-12                    /* of the whole: what is forgotten comes to no denormals */
+#define MORE_MOST 1e6f                  /* a density over another */
 #define WORTH_MOST 1e30f                /* of a pixel: then maps and their sums are finite */
 
 /* Cell of n that holds x. */
@@ -71,21 +72,44 @@ void learned_add(float *worth, LearnedShape s, V2 place, float square)
             add_to_row(worth + k * s.w, s.w, x, square);
 }
 
-/* In eight sums side by side, so that compilers may keep them in lanes: the same everywhere. */
-static double sum_of(const float *a, int n)
+void learned_moments(float *restrict moment, const float *restrict share, int n, float by_map,
+                     float own, float now, float square)
 {
-    float part[8] = { 0, 0, 0, 0, 0, 0, 0, 0 };
-    double sum = 0.0;
+    for (int k = 0; k < n; k++) {
+        float then = f_max(learned_both(share[k], by_map, own), 1e-30f);
+        moment[k] += square * f_min(now / then, MORE_MOST);
+    }
+}
+
+/* Sums are many side by side, so that compilers may keep them in lanes and none waits for the one
+ * before: the same everywhere. */
+enum { SUMS = 32 };
+static void add_to_sums(float part[SUMS], const float *a, int n)
+{
     int i = 0;
 
-    for (; i + 8 <= n; i += 8)
-        for (int k = 0; k < 8; k++)
+    for (; i + SUMS <= n; i += SUMS)
+        for (int k = 0; k < SUMS; k++)
             part[k] += a[i + k];
-    for (; i < n; i++)
-        sum += a[i];
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; i + k < n; k++)
+        part[k] += a[i + k];
+}
+
+static double total(const float part[SUMS])
+{
+    double sum = 0.0;
+
+    for (int k = 0; k < SUMS; k++)
         sum += part[k];
     return sum;
+}
+
+static double sum_of(const float *a, int n)
+{
+    float part[SUMS] = { 0 };
+
+    add_to_sums(part, a, n);
+    return total(part);
 }
 
 void learned_merge(float *map, const float *worth, int cells, int n)
@@ -156,14 +180,14 @@ static void take_roots(float *root, const float *mass, int n)
 /* Each root where the running sum up to it will be. Their sum. */
 static double place_roots(float *cell, LearnedShape s, const float *mass)
 {
-    double all = 0.0;
+    float part[SUMS] = { 0 };
 
     for (int y = 0; y < s.h; y++) {
-        float *sum = cell + y * (s.w + 1);
-        take_roots(sum + 1, mass + y * s.w, s.w);
-        all += sum_of(sum + 1, s.w);
+        float *row = cell + y * (s.w + 1) + 1;
+        take_roots(row, mass + y * s.w, s.w);
+        add_to_sums(part, row, s.w);
     }
-    return all;
+    return total(part);
 }
 
 static void running_sums(float *sum, int n, float part, float even)

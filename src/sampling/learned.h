@@ -43,6 +43,18 @@ INLINE int learned_cells(LearnedShape s) { return s.w * s.h; }
  * p is per solid angle. Not finite or not above 0: nothing. */
 void learned_add(float *worth, LearnedShape s, V2 place, float square);
 
+/* The density of what is decided by a map, in a share of all decisions, or as without it. */
+INLINE float learned_both(float share, float by_map, float own)
+{
+    return share * by_map + (1.0f - share) * own;               /* [Cline07 (9.2)] */
+}
+
+/* Adds what a value, whose square is given, would have been to the second moment with each of n
+ * shares: of value v found at density p, that of density p_k would make v p / p_k, p / p_k times as
+ * seldom. now: p. */
+void learned_moments(float *moment, const float *share, int n, float by_map, float own, float now,
+                     float square);
+
 /* Half of map, and worth, of n floats, the first of which are the map's cells. The worth is 0 in
  * all cells, or more than maps may hold: the map is left as it is. No float of it, nor of sums of
  * thousands of maps, gets beyond LEARNED_MOST. */
