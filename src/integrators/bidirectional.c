@@ -450,8 +450,7 @@ bool bidirectional_open(Bidirectional *b, const char *name, const Scene *s, cons
      * told */
     b->beside = b->techniques.heuristic != HEURISTIC_UNIFORM;
     b->shown = SHOWN;
-    /* one lamp is no choice: whether it can be seen, sampling it tells */
-    b->asked = lightsampler_open(s->nlights > 1 ? opt_string(o, "lightsampler") : "uniform", s);
+    b->asked = lightsampler_open(opt_string(o, "lightsampler"), s);
     b->sending = lightsampler_open("power", s);
     return b->asked && b->sending && warn_of_scattering(s, name);
 }

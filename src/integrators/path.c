@@ -48,9 +48,10 @@ typedef struct {
     float glint;                /* of the light by delta events after a smooth one: this share */
 } Eye;
 
-/* Weight of an implicit path that ends on light l, met along the last direction. */
+/* Weight of an implicit path that ends on light l, met along the last direction. *asked: where that
+ * could have been asked for, the density with which the light is, by itself; else as it was. */
 static float implicit_weight(const Path *it, const Eye *e, const Light *l, const Surface *hit,
-                             const Tracer *t)
+                             const Tracer *t, float *asked)
 {
     float pdf;
 
@@ -63,22 +64,22 @@ static float implicit_weight(const Path *it, const Eye *e, const Light *l, const
     pdf = LIKELY(!t->guide) ? it->lights->kind->pmf(it->lights, e->p, e->n, l)
                             : guide_light_pmf(t->guide, it->lights, e->p, e->n, l) *
                               guide_point_pdf(t->guide, l, it->lighting.beside, e->beam.ray.d);
-    pdf *= light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
-    return mis_weight(it->power, e->pdf_w, pdf);
+    *asked = light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit);
+    return mis_weight(it->power, e->pdf_w, pdf * *asked);
 }
 
 static Rgb implicit_light(const Path *it, const Eye *e, const Light *l, const Surface *hit,
                           Tracer *t)
 {
     Rgb L = l->kind->radiance(l, e->beam.ray.d, hit), c;
+    float asked = 0.0f;
 
     if (rgb_black(L))
         return L;
-    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit, t));
+    c = rgb_scale(rgb_mul(e->beam.throughput, L), implicit_weight(it, e, l, hit, t, &asked));
     tracer_tally(t, e->beam.depth + 1, STRATEGY_IMPLICIT, c);
-    if (UNLIKELY(t->guide != NULL))
-        guide_met(t->guide, l, it->lighting.beside, e->beam.ray.d,
-                  e->pdf_w / light_pdf_w(l, it->lighting.beside, e->p, e->beam.ray.d, hit), c);
+    if (UNLIKELY(t->guide != NULL) && asked > 0.0f)
+        guide_met(t->guide, l, it->lighting.beside, e->beam.ray.d, e->pdf_w / asked, c);
     return c;
 }
 

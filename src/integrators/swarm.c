@@ -154,7 +154,7 @@ static const OptDef options[] = {
     MAP("bifurcation", 16, 64, "map of reflecting or refracting: scattering events"),
     MAP("light", 256, 4096, "map of which light: entries; of more lights, several share one"),
     MAP("point", 32, 128, "map of points on lights: cells each way"),
-    MAP("direction", 32, 128, "map of scattered directions, by latitude and longitude: cells each "
+    MAP("direction", 16, 128, "map of scattered directions, by latitude and longitude: cells each "
         "way"),
     { .key = "share", .type = OPT_FLOAT, .num = 0.5, .lo = 0, .hi = 0.95,
       .help = "of decisions, made by maps" },

@@ -17,7 +17,7 @@ enum { FEW = 64 };
 const LightSamplerKind *lightsampler_named(const char *name, const Scene *s)
 {
     if (!strcmp(name, "auto"))
-        name = s->nlights <= FEW ? "contribution" : "power";
+        name = s->nlights == 1 ? "uniform" : s->nlights <= FEW ? "contribution" : "power";
     return kind_find(lightsamplers, name);
 }
 
