@@ -51,8 +51,8 @@ static double density(const void *of, V3 w)
 
 static void inverted(void)
 {
-    static const LearnedShape shapes[] = { { 32, 32, false, false }, { 16, 4, true, false },
-                                           { 64, 1, false, false }, { 7, 12, false, false } };
+    static const LearnedShape shapes[] = { { 32, 32, NULL, false }, { 16, 4, NULL, false },
+                                           { 128, 1, NULL, false }, { 7, 12, NULL, false } };
 
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
         for (int even = 0; even < 2; even++) {
@@ -66,7 +66,7 @@ static void inverted(void)
 static void chosen(void)
 {
     enum { N = 22, DRAWS = 200000 };
-    LearnedShape s = { N, 1, false, true };
+    LearnedShape s = { N, 1, NULL, true };
     double expected[N], sum = 0, p;
     uint64_t count[N] = { 0 };
     Rng r = rng_seed(5);
@@ -96,7 +96,7 @@ static double share_of(LearnedShape s, int x, int y, int cx, int cy)
 
     if (s.single)
         return dx || dy ? 0 : 3;
-    if (!s.sphere)
+    if (!s.rings)
         return dx <= 1 && dy <= 1 ? 3 : 0;
     dx = s.w - dx < dx ? s.w - dx : dx;
     return dy <= 1 && dx * sine <= 1 + 0.5 * sine ? 3 * sine * sine : 0;
@@ -105,9 +105,11 @@ static double share_of(LearnedShape s, int x, int y, int cx, int cy)
 /* One worth at every place of a grid finer than the cells: what gets to each cell. */
 static void footprints(void)
 {
-    static const LearnedShape shapes[] = { { 5, 4, false, false }, { 16, 12, true, false },
-                                           { 6, 1, false, false }, { 6, 1, false, true } };
+    LearnedRing rings[12];
+    const LearnedShape shapes[] = { { 5, 4, NULL, false }, { 16, 12, rings, false },
+                                    { 6, 1, NULL, false }, { 6, 1, NULL, true } };
 
+    learned_rings(rings, 12);
     for (size_t k = 0; k < 4; k++)
         for (int at = 0; at < 40 * 40; at++) {
             LearnedShape s = shapes[k];
@@ -125,7 +127,7 @@ static void footprints(void)
  * that was far brighter; and so with what follows the cells. */
 static void merging(void)
 {
-    LearnedShape s = { 4, 4, false, false };
+    LearnedShape s = { 4, 4, NULL, false };
     float map[17], worth[17] = { 0 };
 
     for (int i = 0; i < 17; i++)
@@ -153,7 +155,7 @@ static void merging(void)
  * the means of masses, cell by cell; tables whose normalized rows were averaged would leak. */
 static void means(void)
 {
-    LearnedShape s = { 4, 4, false, false };
+    LearnedShape s = { 4, 4, NULL, false };
     float a[16], b[16], mean[16], room[40];
     const float *both[2] = { a, b };
     double sum = 0;
@@ -175,11 +177,61 @@ static void means(void)
     }
 }
 
+/* Of as many maps as a pixel may have. */
+static void means_of_many(void)
+{
+    float maps[8][50], mean[50];
+    const float *of[8];
+    Rng r = rng_seed(5);
+
+    for (int k = 0; k < 8; k++) {
+        of[k] = maps[k];
+        for (int i = 0; i < 50; i++)
+            maps[k][i] = rng_unit(&r);
+    }
+    for (int n = 1; n <= 8; n++) {
+        learned_mean(mean, of, n, 50);
+        for (int i = 0; i < 50; i++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++)
+                sum += (double)maps[k][i];
+            EXPECT(fabs((double)mean[i] - sum / n) < 1e-6, "%d maps, cell %d: %g", n, i,
+                   (double)mean[i]);
+        }
+    }
+}
+
+/* What values would have been to second moments, by a plain twin; and a part of 0 leaves numbers
+ * alone. */
+static void moments(void)
+{
+    const float share[5] = { 0, 0.1f, 0.25f, 0.5f, 0.9f };
+    float moment[5] = { 1, 1, 1, 1, 1 }, map[4] = { 1, 2, 3, 4 }, room[16], density;
+    LearnedShape s = { 2, 2, NULL, false };
+    V2 u = { 0.3f, 0.8f }, q;
+    Inverted t;
+
+    learned_moments(moment, share, 5, 4.0f, 0.5f, 2.0f, 9.0f);
+    for (int k = 0; k < 5; k++) {
+        double then = (double)share[k] * 4 + (1 - (double)share[k]) * 0.5;
+        EXPECT(fabs((double)moment[k] - (1 + 9 * 2 / then)) < 1e-5, "share %g: %g",
+               (double)share[k], (double)moment[k]);
+    }
+    inverted_make(&t, s, map, 0.0f, room);
+    q = inverted_sample(&t, u, &density);
+    EXPECT(q.x == u.x && q.y == u.y && density == 1.0f && inverted_density(&t, q) == 1.0f,
+           "%g %g, density %g", (double)q.x, (double)q.y, (double)density);
+    EXPECT(fabs((double)inverted_alone(&t, q) - 4 * sqrt(3.0) / (1 + sqrt(2.0) + sqrt(3.0) + 2)) <
+           1e-6, "%g", (double)inverted_alone(&t, q));
+}
+
 const TestCase test_learned[] = {
     { "inverted", inverted, false },
     { "chosen", chosen, false },
     { "footprints", footprints, false },
     { "merging", merging, false },
     { "means", means, false },
+    { "means_of_many", means_of_many, false },
+    { "moments", moments, false },
     { NULL, NULL, false }
 };
