@@ -1,6 +1,6 @@
 /* bytes_hashes.h -- written by test_bytes.c, which says how. */
     { "integrator/path", 0x3BCC4B8A05D71622 },
-    { "integrator/swarm", 0x4E5298B2761B17A3 },
+    { "integrator/swarm", 0xCD6B312CF37014C0 },
     { "integrator/whitted", 0x10A39011EB851A59 },
     { "integrator/distributed", 0x1C1618E34148B1CB },
     { "integrator/ao", 0x1F8F508FFDB6313E },
