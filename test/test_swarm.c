@@ -193,6 +193,49 @@ static void coat(void)
     lesson_clear(&lesson);
 }
 
+/* What a direction has brought is learned where it went, also by a map that knows nothing yet and
+ * is left alone. */
+static void ways(void)
+{
+    int m = guide_map(GUIDE_DIRECTION, 0), tried = 0;
+    double pi = acos(-1.0);
+
+    lesson_init(&lesson, add_room, v3(0.1f, -1.5f, 2), v3(0, -1.4f, 0));
+    for (uint32_t i = 0; i < 200; i++) {
+        LearnedShape shape = lesson.plan.shape[m];
+        float *mass = lesson.maps + lesson.plan.at[m];
+        Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
+        double all = 0, near = 0, most = 0;     /* in the map, in three rows, of a cell of its row */
+        BsdfSample s;
+        int x, y;
+
+        guide_learns(lesson.guide, &lesson.tracer);
+        guide_forget(&lesson.plan, lesson.maps);
+        guide_pixel(lesson.guide, &lesson.tracer, lesson.maps, 0, 0);
+        sampler_start(&lesson.tracer.sampler, i);
+        guide_turns(lesson.guide, &b, true);
+        if (!guide_scatters(lesson.guide, &lesson.v, &lesson.tracer, &b, &s))
+            continue;
+        guide_leaves(lesson.guide, rgb_all(0));
+        guide_ends(lesson.guide, rgb_all(1));
+        guide_learns(lesson.guide, &lesson.tracer);
+        x = (int)((1 + atan2((double)s.wi.y, (double)s.wi.x) / (2 * pi)) * shape.w) % shape.w;
+        y = (int)(acos((double)s.wi.z) / pi * shape.h);
+        for (int k = 0; k < learned_cells(shape); k++) {
+            all += (double)mass[k];
+            near += abs(k / shape.w - y) <= 1 ? (double)mass[k] : 0;
+            if (k / shape.w == y && (double)mass[k] > most)
+                most = (double)mass[k];
+        }
+        EXPECT((double)mass[y * shape.w + x] > 0.99 * most && near > 0.99 * all,
+               "%g %g %g: %g in its cell, %g in another, %g near, %g in all", (double)s.wi.x,
+               (double)s.wi.y, (double)s.wi.z, (double)mass[y * shape.w + x], most, near, all);
+        tried++;
+    }
+    EXPECT(tried > 100, "%d directions", tried);
+    lesson_clear(&lesson);
+}
+
 static void choices(void)
 {
     enum { DRAWS = 100000, MOST = 8 };
@@ -363,6 +406,7 @@ static void threads(void)
 const TestCase test_swarm[] = {
     { "directions", directions, false },
     { "coat", coat, false },
+    { "ways", ways, false },
     { "choices", choices, false },
     { "sky_numbers", sky_numbers, false },
     { "room", room, false },
