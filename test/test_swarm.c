@@ -205,7 +205,7 @@ static void ways(void)
         LearnedShape shape = lesson.plan.shape[m];
         float *mass = lesson.maps + lesson.plan.at[m];
         Beam b = beam_from_eye(&(Ray){ .d = { 0, 0, -1 } }, lesson.lab.scene);
-        double all = 0, near = 0, most = 0;     /* in the map, in three rows, of a cell of its row */
+        double all = 0, near = 0, most = 0;     /* of the map, three rows, a cell of its row */
         BsdfSample s;
         int x, y;
 

@@ -29,8 +29,8 @@ struct LightSampler {           /* first member of every concrete one */
 extern const LightSamplerKind *const lightsamplers[];           /* ends with NULL */
 #define LIGHTSAMPLER_DEFAULT "auto"
 /* By name. auto: by contribution where lights are few enough to look at each for each choice (64),
- * since that is never much noisier than any other and often far less; else by power. One light is no
- * choice: whether it can be seen, sampling it tells. */
+ * since that is never much noisier than any other and often far less; else by power. One light is
+ * no choice: whether it can be seen, sampling it tells. */
 const LightSamplerKind *lightsampler_named(const char *name, const Scene *s);
 /* Opens the one of that name. NULL: reported. Closing NULL does nothing. */
 LightSampler *lightsampler_open(const char *name, const Scene *s);

@@ -79,8 +79,8 @@ typedef struct {
 } Inverted;
 
 INLINE int inverted_size(LearnedShape s) { return s.h + 1 + s.h * (s.w + 1); }
-/* Of `part` of the map, the remainder being even. A map without mass is even. Of part 0 numbers stay
- * what they are, and nothing is to be chosen. room: inverted_size() floats. */
+/* Of `part` of the map, the remainder being even. A map without mass is even. By part 0 numbers
+ * stay what they are, and nothing is to be chosen. room: inverted_size() floats. */
 void  inverted_make(Inverted *t, LearnedShape s, const float *mass, float part, float *room);
 /* u warped to the density, in multiples of 2^-24 as samplers give them; *density of the place. */
 V2    inverted_sample(const Inverted *t, V2 u, float *density);
