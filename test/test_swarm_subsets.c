@@ -277,8 +277,9 @@ static void subsets_of(const Figure *f)
 #define IDLE(map) (1u << GUIDE_##map)
 #define FIGURES(X)                                                                             \
     X(time, false, "swarm-time", "maxdepth=2,lightsampler=uniform", 64, 7, 26, 0.04, 0)        \
-    X(lens, true, "swarm-lens", "maxdepth=2", 64, 18, 130, 0.08, 0)                            \
-    X(caustic, true, "swarm-caustic", "maxdepth=4", 64, 25, 95, 0.08, IDLE(BIFURCATION))       \
+    X(lens, true, "swarm-lens", "maxdepth=2", 64, 18, 130, 0.08, IDLE(POINT))                  \
+    X(caustic, true, "swarm-caustic", "maxdepth=4", 64, 25, 95, 0.08,                          \
+      IDLE(BIFURCATION) | IDLE(POINT))                                                         \
     X(lights, false, "swarm-lights", "maxdepth=2,lightsampler=uniform", 64, 6, 18, 0.05, 0)    \
     X(glass, false, "swarm-glass", "maxdepth=7", 16, 4, 24, 0.025, IDLE(DIRECTION))            \
     X(fog, true, "swarm-fog", "maxdepth=1,lightsampler=uniform", 64, 38, 200, 0.08,            \
@@ -287,7 +288,7 @@ static void subsets_of(const Figure *f)
     X(hare, true, "hare", "maxdepth=4", 32, 16, 32, 0.05, 0)                                   \
     X(paperweight, true, "paperweight", "maxdepth=6", 64, 10, 56, 0.08, 0)                     \
     X(glasses, true, "glasses", "maxdepth=10", 16, 4, 16, 0.02, 0)                             \
-    X(iguana, true, "iguana", "maxdepth=3", 16, 4, 8, 0.02, 0)
+    X(iguana, true, "iguana", "maxdepth=3", 16, 4, 8, 0.02, IDLE(LENS))
 
 #define FUNCTION(id, slow, name, options, spp, runs, truth, delta, idle)                       \
     static void run_##id(void)                                                            \
