@@ -193,6 +193,32 @@ static void coat(void)
     lesson_clear(&lesson);
 }
 
+/* Scenes have maps of what there is to decide in them, and no others. */
+static void plans(void)
+{
+    static const char *const light[][2] = { { "point", "I=1" }, { "distant", "L=1" },
+                                            { "infinite", "L=1" } };
+
+    for (int n = 1; n <= 4; n++) {      /* lights; and in the end glass */
+        GuidePlan plan;
+        Lab l;
+        lab_init(&l);
+        for (int i = 0; i < n && i < 3; i++)
+            lab_light(&l, light[i][0], light[i][1], NULL);
+        lab_sphere(&l, v_all(0), 1, lab_material(&l, n > 3 ? "dielectric" : "diffuse", ""), false);
+        lab_camera(&l, v3(0, -4, 0), v_all(0), 45, "");
+        lab_build(&l);
+        guide_plan(&plan, l.scene, ALL, 1, 0.5f, false);
+        for (int k = 0; k < GUIDE_KINDS; k++) {
+            bool of_use = k == GUIDE_DIRECTION || (k == GUIDE_BIFURCATION && n > 3) ||
+                          (k == GUIDE_LIGHT && n > 1) || (k == GUIDE_POINT && n > 2);
+            EXPECT((plan.shape[guide_map((GuideKind)k, 0)].w > 0) == of_use,
+                   "%d lights: a map of %s", n, guide_names[k]);
+        }
+        lab_clear(&l);
+    }
+}
+
 /* What a direction has brought is learned where it went, also by a map that knows nothing yet and
  * is left alone. */
 static void ways(void)
@@ -406,6 +432,7 @@ static void threads(void)
 const TestCase test_swarm[] = {
     { "directions", directions, false },
     { "coat", coat, false },
+    { "plans", plans, false },
     { "ways", ways, false },
     { "choices", choices, false },
     { "sky_numbers", sky_numbers, false },
