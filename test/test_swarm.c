@@ -8,6 +8,7 @@
 #include "test/scene_help.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- scenes ---- */
