@@ -180,18 +180,18 @@ static void means(void)
 /* Of as many maps as a pixel may have. */
 static void means_of_many(void)
 {
-    float maps[8][50], mean[50];
+    float maps[8][150], mean[150];
     const float *of[8];
     Rng r = rng_seed(5);
 
     for (int k = 0; k < 8; k++) {
         of[k] = maps[k];
-        for (int i = 0; i < 50; i++)
+        for (int i = 0; i < 150; i++)
             maps[k][i] = rng_unit(&r);
     }
     for (int n = 1; n <= 8; n++) {
-        learned_mean(mean, of, n, 50);
-        for (int i = 0; i < 50; i++) {
+        learned_mean(mean, of, n, 150);
+        for (int i = 0; i < 150; i++) {
             double sum = 0;
             for (int k = 0; k < n; k++)
                 sum += (double)maps[k][i];

@@ -50,7 +50,7 @@ bool lighting_warn_of_deltas(const Scene *s, const char *strategy);
 #define LIGHTING_LIGHTSAMPLER                                                  \
     { .key = "lightsampler", .type = OPT_CHOICE, .str = LIGHTSAMPLER_DEFAULT,  \
       .choices = "auto power uniform contribution", .also = "lightsamplestrategy",  \
-      .help = "how a light is chosen; auto: by contribution if they are 64 or fewer, else power" }
+      .help = "how a light is chosen; auto: by contribution if there are 2 to 64, else by power" }
 
 /* Weight of a sample with density n p = own > 0 against other ways with n p = other, which may be
  * infinite: the weight is 0 then. */
